@@ -121,17 +121,17 @@ Diagnosis overlapping(const LastMesh& last, const Injectivity& found) {
     return diagnosis;
 }
 
-SubMesh neighbourhood(const Mesh& mesh, const Diagnosis& diagnosis, int rings, int most) {
+Restriction neighbourhood(const Mesh& mesh, const Diagnosis& diagnosis, int rings, int most) {
     std::vector<char> reached(mesh.nodes(), 0);
     if (diagnosis.node >= 0)
         reached[diagnosis.node] = 1;
     else
         for (int i = 0; i < mesh.element_nodes(diagnosis.element); ++i)
             reached[mesh.element(diagnosis.element)[i]] = 1;
-    SubMesh found;
+    Restriction found;
     for (int ring = 0; ring < rings; ++ring) {
-        SubMesh next = elements_around(mesh, reached);
-        if (ring > 0 && static_cast<int>(next.place.size()) > most) break;
+        Restriction next = restriction_to(reached, mesh);
+        if (ring > 0 && static_cast<int>(next.element.size()) > most) break;
         for (const int i : next.node) reached[i] = 1;
         found = std::move(next);
     }

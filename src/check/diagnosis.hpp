@@ -17,7 +17,7 @@
 #include "constraint/constraint.hpp"
 #include "constraint/target.hpp"
 #include "mesh/mesh.hpp"
-#include "mesh/part.hpp"
+#include "mesh/restriction.hpp"
 
 namespace almesh {
 
@@ -57,7 +57,7 @@ Diagnosis overlapping(const LastMesh& last, const Injectivity& found);  // none 
 
 // The elements within some rings around the diagnosis: those with a node of it, those with a node of these, and so on;
 // fewer rings, but one at least, where they have more than `most` elements.
-SubMesh neighbourhood(const Mesh& mesh, const Diagnosis& diagnosis, int rings = 3, int most = 5000);
+Restriction neighbourhood(const Mesh& mesh, const Diagnosis& diagnosis, int rings = 3, int most = 5000);
 
 // The boundary of each node: of the first face that prescribes its position, else of the first one; -1 inside.
 std::vector<int> boundary_of_nodes(const Mesh& mesh, const BoundaryTarget& target);

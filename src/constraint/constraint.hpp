@@ -17,6 +17,7 @@
 #include "base/index.hpp"
 #include "base/small_matrix.hpp"
 #include "linalg/block_csr.hpp"
+#include "mesh/restriction.hpp"
 
 namespace almesh {
 
@@ -24,16 +25,6 @@ namespace almesh {
 struct SurfaceDistance {
     Vec<3> r{};
     Mat<3> slope{};  // D, of r with respect to x
-};
-
-// C as a function of the positions y of some nodes (nodes x dim), all others fixed: for local minimisations.
-class ConstraintPart {
-public:
-    virtual ~ConstraintPart() = default;
-    virtual void add_value(const std::vector<double>& y, double& E) = 0;  // up to a constant
-    virtual void add_gradient(const std::vector<double>& y, std::vector<double>& g) = 0;
-    // H: of the pattern given to part().
-    virtual void add_hessian(const std::vector<double>& y, bool projected, BlockCsr& H) = 0;
 };
 
 class Constraint {
@@ -73,9 +64,10 @@ public:
     virtual void bend(const std::vector<double>& /*x*/, const std::vector<double>& /*d*/, double /*t*/,
                       std::vector<double>& /*y*/) const {}
 
-    // node: numbers in the mesh of the nodes of the part. pattern: of the part's Hessian.
-    virtual std::unique_ptr<ConstraintPart> part(const std::vector<double>& x, const std::vector<double>& lambda,
-                                                 double mu, const std::vector<int>& node, const BlockCsr& pattern) = 0;
+    // Restricted to some nodes: C up to a constant as a function of the positions of these alone, in their numbers;
+    // entries of derivatives are right where nodes move, the others do not count. What is measured between nodes is left
+    // to the whole. lambda: on return the multipliers of the part.
+    virtual std::unique_ptr<Constraint> part(const Restriction& around, std::vector<double>& lambda) const = 0;
 
     // For derivatives of the solution. Of nodes()[t] at x: r, where it is prescribed the distance from its target, and
     // D; sum over k of force_k times the second derivative of r_k.

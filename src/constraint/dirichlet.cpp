@@ -11,6 +11,11 @@
 #include "constraint/trace_space.hpp"
 
 namespace almesh {
+namespace {
+
+const Mesh no_faces;  // of a part
+
+}  // namespace
 
 Dirichlet::Dirichlet(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target)
     : trace_(mesh, ideal, target), g_h_(trace_.interpolation(mesh, target)), mesh_(mesh), target_(target) {}
@@ -28,6 +33,15 @@ Dirichlet::Dirichlet(const Mesh& mesh, const std::vector<double>& ideal, const B
         return trace_.face_weight[f] * sum;
     });
     best_approximation_error_ = std::sqrt(squared) / trace_.norm_of_one;
+}
+
+Dirichlet::Dirichlet(const Dirichlet& whole, const Restriction& around)
+    : trace_(whole.trace_, around), g_h_(trace_.restricted(whole.g_h_)), mesh_(no_faces) {}
+
+std::unique_ptr<Constraint> Dirichlet::part(const Restriction& around, std::vector<double>& lambda) const {
+    std::unique_ptr<Dirichlet> part(new Dirichlet(*this, around));
+    lambda = part->trace_.restricted(lambda);
+    return part;
 }
 
 // r = x - g_h
@@ -160,53 +174,6 @@ SurfaceDistance Dirichlet::distance(int t, const Vec<3>& x) const {
         from_target.slope[a][a] = 1;
     }
     return from_target;
-}
-
-namespace {
-
-// u = y - x
-class DirichletPart final : public ConstraintPart {
-public:
-    DirichletPart(TracePart part, const TraceSpace& trace, const std::vector<double>& x)
-        : part_(std::move(part)), dim_(trace.dim) {
-        for (const int t : part_.trace_node)
-            x_.insert(x_.end(), point(x, trace.nodes[t], dim_), point(x, trace.nodes[t], dim_) + dim_);
-    }
-
-    void add_value(const std::vector<double>& y, double& E) override { E += part_.value(change(y), force_); }
-
-    void add_gradient(const std::vector<double>& y, std::vector<double>& gradient) override {
-        part_.set_force(change(y), force_);
-        for (int i = 0; i < part_.C.n; ++i)
-            for (int a = 0; a < dim_; ++a) gradient[offset(part_.node[i], dim_, a)] += force_[offset(i, dim_, a)];
-    }
-
-    void add_hessian(const std::vector<double>& /*y*/, bool /*projected*/, BlockCsr& H) override {
-        for (int k = 0; k < part_.C.blocks(); ++k)
-            for (int a = 0; a < dim_; ++a) H.block(part_.block[k])[a * dim_ + a] += part_.C.value[k];
-    }
-
-private:
-    TracePart part_;
-    int dim_;
-    std::vector<double> x_, u_, force_;  // of the nodes of part_
-
-    const std::vector<double>& change(const std::vector<double>& y) {
-        u_.resize(x_.size());
-        for (int i = 0; i < part_.C.n; ++i)
-            for (int a = 0; a < dim_; ++a)
-                u_[offset(i, dim_, a)] = y[offset(part_.node[i], dim_, a)] - x_[offset(i, dim_, a)];
-        return u_;
-    }
-};
-
-}  // namespace
-
-std::unique_ptr<ConstraintPart> Dirichlet::part(const std::vector<double>& x, const std::vector<double>& lambda,
-                                                double mu, const std::vector<int>& node, const BlockCsr& pattern) {
-    const double factor = mu / (trace_.norm_of_one * trace_.norm_of_one);
-    const std::vector<double> v = trace_.force_density(residual(x), lambda, mu);
-    return std::make_unique<DirichletPart>(TracePart(trace_, v, factor, node, pattern), trace_, x);
 }
 
 }  // namespace almesh

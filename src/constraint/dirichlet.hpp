@@ -51,8 +51,7 @@ public:
     void add_hessian(const std::vector<double>& x, const std::vector<double>& lambda, double mu, bool projected,
                      BlockCsr& H) override;
     void update_multipliers(const std::vector<double>& x, double mu, std::vector<double>& lambda) override;
-    std::unique_ptr<ConstraintPart> part(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
-                                         const std::vector<int>& node, const BlockCsr& pattern) override;
+    std::unique_ptr<Constraint> part(const Restriction& around, std::vector<double>& lambda) const override;
     const std::vector<int>& nodes() const override { return trace_.nodes; }  // trace node -> mesh node
     std::vector<double> multiplier_field(const std::vector<double>& lambda) const override { return lambda; }
     std::vector<double> multipliers_of_field(const std::vector<double>& field) const override { return field; }
@@ -67,6 +66,7 @@ protected:
 
     // With the nodal target.
     Dirichlet(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target);
+    Dirichlet(const Dirichlet& whole, const Restriction& around);
 
     virtual std::vector<double> residual(const std::vector<double>& x) const;  // r
 

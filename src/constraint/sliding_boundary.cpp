@@ -38,66 +38,22 @@ void copy_slope(const Mat<3>& slope, int d, double* D) {
     for (int a = 0; a < d; ++a) std::copy_n(slope[a].begin(), d, D + a * d);
 }
 
-// u = r(y) - r(x): gradient D'(g + C u), Hessian D' C D + (g + C u) . d2r/dy2.
-class SlidingPart final : public ConstraintPart {
-public:
-    SlidingPart(TracePart part, const SlidingBoundary& whole, const std::vector<double>& r, int dim)
-        : part_(std::move(part)), whole_(whole), dim_(dim) {
-        for (const int t : part_.trace_node) r_.insert(r_.end(), point(r, t, dim), point(r, t, dim) + dim);
-    }
-
-    void add_value(const std::vector<double>& y, double& E) override {
-        measure(y);
-        E += part_.value(u_, force_);
-    }
-
-    void add_gradient(const std::vector<double>& y, std::vector<double>& gradient) override {
-        measure(y);
-        part_.set_force(u_, force_);
-        for (int i = 0; i < part_.C.n; ++i)
-            add_force(slope(i), &force_[offset(i, dim_)], dim_, point(gradient, part_.node[i], dim_));
-    }
-
-    void add_hessian(const std::vector<double>& y, bool projected, BlockCsr& H) override {
-        measure(y);
-        part_.set_force(u_, force_);
-        const BlockCsr& C = part_.C;
-        for (int i = 0; i < C.n; ++i) {
-            for (int k = C.row[i]; k < C.row[i + 1]; ++k)
-                add_congruence(C.value[k], slope(i), slope(C.col[k]), dim_, H.block(part_.block[k]));
-            if (projected) continue;
-            const Vec<3> force = in_space(&force_[offset(i, dim_)], dim_);
-            add_block(whole_.second_derivative_at(part_.trace_node[i], at(y, i), force), dim_,
-                      H.block(H.find(part_.node[i], part_.node[i])));
-        }
-    }
-
-private:
-    TracePart part_;
-    const SlidingBoundary& whole_;
-    int dim_;
-    std::vector<double> r_, u_, slope_, force_;  // of the nodes of part_; slope: D
-
-    Vec<3> at(const std::vector<double>& y, int i) const { return in_space(point(y, part_.node[i], dim_), dim_); }
-    const double* slope(int i) const { return &slope_[offset(i, dim_ * dim_)]; }
-
-    void measure(const std::vector<double>& y) {
-        u_.resize(r_.size());
-        slope_.resize(r_.size() * dim_);
-        for (int i = 0; i < part_.C.n; ++i) {
-            const SurfaceDistance distance = whole_.distance(part_.trace_node[i], at(y, i));
-            for (int a = 0; a < dim_; ++a) u_[offset(i, dim_, a)] = distance.r[a] - r_[offset(i, dim_, a)];
-            copy_slope(distance.slope, dim_, &slope_[offset(i, dim_ * dim_)]);
-        }
-    }
-};
-
 }  // namespace
 
 SlidingBoundary::SlidingBoundary(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target,
                                  std::shared_ptr<const SlidingSurfaces> sliding)
     : Dirichlet(mesh, ideal, target), sliding_(std::move(sliding)),
       parts_(sliding_parts(mesh, target, sliding_.get(), trace_.nodes, trace_.faces, g_h_, prescribed_)) {}
+
+SlidingBoundary::SlidingBoundary(const SlidingBoundary& whole, const Restriction& around)
+    : Dirichlet(whole, around), sliding_(whole.sliding_), prescribed_(trace_.restricted(whole.prescribed_)),
+      parts_(trace_.restricted(whole.parts_)) {}
+
+std::unique_ptr<Constraint> SlidingBoundary::part(const Restriction& around, std::vector<double>& lambda) const {
+    std::unique_ptr<SlidingBoundary> part(new SlidingBoundary(*this, around));
+    lambda = part->trace_.restricted(lambda);
+    return part;
+}
 
 Vec<3> SlidingBoundary::at(const std::vector<double>& x, int t) const {
     return in_space(point(x, trace_.nodes[t], trace_.dim), trace_.dim);
@@ -206,15 +162,6 @@ double SlidingBoundary::max_error(const std::vector<double>& x) {
     double largest = 0;
     for (const double distance : trace_.distances(x, targets(x))) largest = std::max(largest, distance);
     return largest;
-}
-
-std::unique_ptr<ConstraintPart> SlidingBoundary::part(const std::vector<double>& x, const std::vector<double>& lambda,
-                                                      double mu, const std::vector<int>& node,
-                                                      const BlockCsr& pattern) {
-    const double factor = mu / (trace_.norm_of_one * trace_.norm_of_one);
-    const std::vector<double> r = residual(x);
-    TracePart part(trace_, trace_.force_density(r, lambda, mu), factor, node, pattern);
-    return std::make_unique<SlidingPart>(std::move(part), *this, r, trace_.dim);
 }
 
 std::unique_ptr<Constraint> make_constraint(const Mesh& mesh, const std::vector<double>& ideal,

@@ -33,8 +33,7 @@ public:
                       std::vector<double>& g) override;
     void add_hessian(const std::vector<double>& x, const std::vector<double>& lambda, double mu, bool projected,
                      BlockCsr& H) override;
-    std::unique_ptr<ConstraintPart> part(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
-                                         const std::vector<int>& node, const BlockCsr& pattern) override;
+    std::unique_ptr<Constraint> part(const Restriction& around, std::vector<double>& lambda) const override;
     bool bends_steps() const override { return sliding_ != nullptr; }
     void bend(const std::vector<double>& x, const std::vector<double>& d, double t,
               std::vector<double>& y) const override;
@@ -45,6 +44,8 @@ public:
     Mat<3> second_derivative_at(int trace_node, const Vec<3>& x, const Vec<3>& force) const override;
 
 private:
+    SlidingBoundary(const SlidingBoundary& whole, const Restriction& around);
+
     std::shared_ptr<const SlidingSurfaces> sliding_;
     std::vector<char> prescribed_;         // trace nodes: whether the position is, at g_h_
     std::vector<std::vector<int>> parts_;  // trace nodes: along which it slides

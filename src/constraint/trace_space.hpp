@@ -13,12 +13,13 @@
 #include "constraint/target.hpp"
 #include "linalg/block_csr.hpp"
 #include "mesh/mesh.hpp"
+#include "mesh/restriction.hpp"
 
 namespace almesh {
 
 struct TraceSpace {
     int dim;
-    std::vector<int> nodes;            // trace node -> mesh node, ascending
+    std::vector<int> nodes;            // trace node -> mesh node, ascending in a whole mesh
     std::vector<int> faces;            // face x face node: trace nodes
     std::vector<double> face_weight;   // |f| / h_f over the measure of the reference face; 0 for faces that are free
     double norm_of_one = 0;            // |1|
@@ -27,6 +28,20 @@ struct TraceSpace {
 
     // ideal: node_count x dim positions of the ideal mesh.
     TraceSpace(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target);
+
+    // Restricted to the nodes of some elements, in their numbers: rows of M are whole where nodes move, and have no
+    // entries between others. It has no faces.
+    TraceSpace(const TraceSpace& whole, const Restriction& around);
+
+    // Of a function on the whole (or another array with so many entries per trace node) those at the nodes of this.
+    template <class Array>
+    Array restricted(const Array& whole) const {
+        const std::size_t entries = whole.size() / std::max<std::size_t>(1, whole_count_);
+        Array here;
+        for (const int t : in_whole_)
+            here.insert(here.end(), whole.begin() + offset(t, entries), whole.begin() + offset(t + 1, entries));
+        return here;
+    }
 
     int count() const { return M.n; }
     std::size_t size() const { return nodes.size() * dim; }  // of a function
@@ -58,6 +73,8 @@ struct TraceSpace {
     std::vector<double> projection(const Mesh& mesh, const BoundaryTarget& target) const;
 
 private:
+    std::vector<int> in_whole_;    // trace node -> that of the whole
+    std::size_t whole_count_ = 0;
     std::vector<double> measure_;  // |f|
     std::vector<double> density_;  // sample: area element over |f|, 1 on simplices; empty where all faces are simplices
 
@@ -66,28 +83,6 @@ private:
     void measure_heights(const Mesh& mesh, const std::vector<double>& ideal);
     void assemble_mass(const Mesh& mesh, const BoundaryTarget& target);
     std::vector<double> products(const FaceRule& rule, int f, int m) const;
-};
-
-// A quadratic form on the trace space as a function of the values of some trace nodes: with u the change of their
-// values, v that of which M v is the gradient before it, and C = factor M,
-//
-//     g . u + 1/2 u' C u,   g = M v,   gradient with respect to u: force = g + C u.
-struct TracePart {
-    std::vector<int> node, trace_node;  // of the part's nodes those on the boundary: their numbers in it, in the trace
-    std::vector<double> g;              // of them, x dim
-    BlockCsr C;                         // of them, d = 1: the same for each component
-    std::vector<int> block;             // of each entry of C, its block in the Hessian
-
-    // part: numbers in the mesh of the nodes of the part. pattern: of its Hessian.
-    TracePart(const TraceSpace& trace, const std::vector<double>& v, double factor, const std::vector<int>& part,
-              const BlockCsr& pattern);
-
-    // Sets the force as well.
-    double value(const std::vector<double>& u, std::vector<double>& force) const;
-    void set_force(const std::vector<double>& u, std::vector<double>& force) const;
-
-private:
-    int dim_;
 };
 
 }  // namespace almesh

@@ -29,6 +29,7 @@
 #include "energy/options.hpp"
 #include "linalg/block_csr.hpp"
 #include "mesh/mesh.hpp"
+#include "mesh/restriction.hpp"
 
 namespace almesh {
 
@@ -56,11 +57,10 @@ public:
     void order_hessian(const ChooseOrder& choose);
     virtual DistortionStatistics statistics(const std::vector<double>& x) = 0;
 
-    // The elements that have a node with moves[i], with the same weights, as an energy of its own of their nodes;
-    // node: their numbers in this mesh, those that move first. x: node_count x dim, positions by which elements are
-    // ordered.
+    // Restricted to the nodes with moves[i]: the energy of the elements around them, with the same weights; around: on
+    // return these, in this energy's order. x: node_count x dim, positions by which elements are ordered.
     virtual std::unique_ptr<DistortionEnergy> part(const std::vector<double>& x, const std::vector<char>& moves,
-                                                   std::vector<int>& node) const = 0;
+                                                   Restriction& around) const = 0;
 
     int dim() const { return dim_; }
     double domain_volume() const { return volume_; }

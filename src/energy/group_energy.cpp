@@ -55,10 +55,9 @@ GroupEnergy::GroupEnergy(const GroupEnergy& whole, const std::vector<int>& place
 }
 
 std::unique_ptr<DistortionEnergy> GroupEnergy::part(const std::vector<double>& x, const std::vector<char>& moves,
-                                                    std::vector<int>& node) const {
-    const SubMesh chosen = elements_around(std::vector{cell_nodes()}, moves)[0];
-    node = chosen.node;
-    return part(x, chosen);
+                                                    Restriction& around) const {
+    around = restriction_to(moves, std::vector{cell_nodes()});
+    return part(x, around);
 }
 
 double GroupEnergy::hessian_work() const {

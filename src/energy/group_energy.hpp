@@ -8,16 +8,15 @@
 
 #include "base/index.hpp"
 #include "energy/distortion_energy.hpp"
-#include "mesh/part.hpp"
 
 namespace almesh {
 
 class GroupEnergy : public DistortionEnergy {
 public:
     std::unique_ptr<DistortionEnergy> part(const std::vector<double>& x, const std::vector<char>& moves,
-                                           std::vector<int>& node) const override;
+                                           Restriction& around) const override;
     // Of these elements, among those of cell_nodes().
-    virtual std::unique_ptr<GroupEnergy> part(const std::vector<double>& x, const SubMesh& chosen) const = 0;
+    virtual std::unique_ptr<GroupEnergy> part(const std::vector<double>& x, const Restriction& around) const = 0;
     CellNodes cell_nodes() const { return {nodes_.data(), element_count_, reference_.nodes}; }
 
     double valid_fraction(const std::vector<double>& x, const std::vector<double>& to) override {

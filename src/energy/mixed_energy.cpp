@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "mesh/part.hpp"
+
 namespace almesh {
 namespace {
 
@@ -102,22 +104,26 @@ DistortionStatistics MixedEnergy::statistics(const std::vector<double>& x) {
 }
 
 std::unique_ptr<DistortionEnergy> MixedEnergy::part(const std::vector<double>& x, const std::vector<char>& moves,
-                                                    std::vector<int>& node) const {
+                                                    Restriction& around) const {
     std::vector<CellNodes> cells;
     every_group([&](GroupEnergy& group, const Group&) { cells.push_back(group.cell_nodes()); });
-    std::vector<SubMesh> chosen = elements_around(cells, moves);
-    node = chosen.front().node;
+    around = restriction_to(moves, cells);
     std::vector<Group> groups;
-    int first = 0;
-    for (std::size_t g = 0, k = 0; g < groups_.size(); ++g) {
-        groups.push_back({nullptr, groups_[g].is_infeasible, {}});
-        if (!groups_[g].energy) continue;
-        if (const int count = static_cast<int>(chosen[k].place.size()); count > 0) {
-            groups.back().energy = groups_[g].energy->part(x, chosen[k]);
-            groups.back().element = elements_of({nullptr, first, count, 0});
-            first += count;
+    auto element = around.element.begin();
+    auto node = around.elements.begin();
+    int first = 0;  // of the group's elements, here
+    for (const Group& group : groups_) {
+        groups.push_back({nullptr, group.is_infeasible, {}});
+        if (!group.energy) continue;
+        const CellNodes all = group.energy->cell_nodes();
+        Restriction of_group{around.moving, around.node, {}, {}};
+        for (; element != around.element.end() && *element < first + all.count; ++element, node += all.m) {
+            groups.back().element.push_back(static_cast<int>(element - around.element.begin()));
+            of_group.element.push_back(*element - first);
+            of_group.elements.insert(of_group.elements.end(), node, node + all.m);
         }
-        ++k;
+        first += all.count;
+        if (!of_group.element.empty()) groups.back().energy = group.energy->part(x, of_group);
     }
     return std::unique_ptr<MixedEnergy>(new MixedEnergy(*this, std::move(groups)));
 }

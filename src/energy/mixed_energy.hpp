@@ -23,7 +23,7 @@ public:
                      const Projection& projection = {}) override;
     DistortionStatistics statistics(const std::vector<double>& x) override;
     std::unique_ptr<DistortionEnergy> part(const std::vector<double>& x, const std::vector<char>& moves,
-                                           std::vector<int>& node) const override;
+                                           Restriction& around) const override;
 
     void set_power(const PowerParams& power) override;
     void set_delta(double delta) override;

@@ -201,18 +201,18 @@ DistortionStatistics PlainEnergy::statistics(const std::vector<double>& x) {
     return result;
 }
 
-PlainEnergy::PlainEnergy(const PlainEnergy& whole, const SubMesh& part)
-    : GroupEnergy(whole, part.place, part.node) {
-    nodes_ = part.elements;
-    pattern_ = pattern_of_cells(static_cast<int>(part.node.size()), dim_, nodes_, reference_.nodes);
-    for (const int e : part.place) {
+PlainEnergy::PlainEnergy(const PlainEnergy& whole, const Restriction& around)
+    : GroupEnergy(whole, around.element, around.node) {
+    nodes_ = around.elements;
+    pattern_ = pattern_of_cells(static_cast<int>(around.node.size()), dim_, nodes_, reference_.nodes);
+    for (const int e : around.element) {
         ideal_.push_back(whole.ideal_[e]);
         volume_ += whole.ideal_[e].jacobian * reference_.cell->volume();
     }
 }
 
-std::unique_ptr<GroupEnergy> PlainEnergy::part(const std::vector<double>&, const SubMesh& chosen) const {
-    return std::unique_ptr<PlainEnergy>(new PlainEnergy(*this, chosen));
+std::unique_ptr<GroupEnergy> PlainEnergy::part(const std::vector<double>&, const Restriction& around) const {
+    return std::unique_ptr<PlainEnergy>(new PlainEnergy(*this, around));
 }
 
 void project(int size, double* A, double kept_negative) {

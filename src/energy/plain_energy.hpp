@@ -17,11 +17,11 @@ public:
                      const Projection& projection = {}) override;
     DistortionStatistics statistics(const std::vector<double>& x) override;
     using GroupEnergy::part;
-    std::unique_ptr<GroupEnergy> part(const std::vector<double>& x, const SubMesh& chosen) const override;
+    std::unique_ptr<GroupEnergy> part(const std::vector<double>& x, const Restriction& around) const override;
     void scale_weights(const std::array<double, 2>& factor) override;
 
 private:
-    PlainEnergy(const PlainEnergy& whole, const SubMesh& part);
+    PlainEnergy(const PlainEnergy& whole, const Restriction& around);
 
     std::vector<IdealElement> ideal_;  // per element
 

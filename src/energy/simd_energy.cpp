@@ -17,7 +17,6 @@
 #include "energy/curved_batch.hpp"
 #include "energy/linear_batch.hpp"
 #include "energy/refined_rule.hpp"
-#include "mesh/part.hpp"
 
 namespace almesh {
 namespace {
@@ -71,18 +70,18 @@ SimdEnergy::SimdEnergy(const SimdEnergy& whole, const Mesh& part, ElementBlocks 
     fill(part, [&](int k) { return whole.ideal_at(place[k]); });
 }
 
-std::unique_ptr<GroupEnergy> SimdEnergy::part(const std::vector<double>& x, const SubMesh& chosen) const {
+std::unique_ptr<GroupEnergy> SimdEnergy::part(const std::vector<double>& x, const Restriction& around) const {
     Mesh mesh;
     mesh.dim = dim_;
     mesh.degree = reference_.degree;
-    mesh.elements = chosen.elements;
+    mesh.elements = around.elements;
     if (!reference_.cell->is_simplex())
-        mesh.groups = {{reference_.cell, 0, static_cast<int>(chosen.place.size()), 0}};
-    for (const int i : chosen.node) mesh.x.insert(mesh.x.end(), point(x, i, dim_), point(x, i, dim_) + dim_);
+        mesh.groups = {{reference_.cell, 0, static_cast<int>(around.element.size()), 0}};
+    for (const int i : around.node) mesh.x.insert(mesh.x.end(), point(x, i, dim_), point(x, i, dim_) + dim_);
     ElementBlocks blocks = schedule_elements(mesh);
     std::vector<int> place;
-    for (const int e : blocks.order) place.push_back(chosen.place[e]);
-    return std::unique_ptr<SimdEnergy>(new SimdEnergy(*this, mesh, std::move(blocks), place, chosen.node));
+    for (const int e : blocks.order) place.push_back(around.element[e]);
+    return std::unique_ptr<SimdEnergy>(new SimdEnergy(*this, mesh, std::move(blocks), place, around.node));
 }
 
 // element_of(k): the element blocks_.order[k] of the ideal mesh. What fills up the last batch weighs nothing.

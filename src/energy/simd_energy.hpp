@@ -28,7 +28,7 @@ public:
                      const Projection& projection = {}) override;
     DistortionStatistics statistics(const std::vector<double>& x) override;
     using GroupEnergy::part;
-    std::unique_ptr<GroupEnergy> part(const std::vector<double>& x, const SubMesh& chosen) const override;
+    std::unique_ptr<GroupEnergy> part(const std::vector<double>& x, const Restriction& around) const override;
     void scale_weights(const std::array<double, 2>& factor) override;
     void blocks_moved(const LargeVector<int>& place) override;
 

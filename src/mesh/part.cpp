@@ -172,45 +172,4 @@ Mesh of_one_type(const Mesh& mesh, const std::vector<int>& elements) {
     return part;
 }
 
-std::vector<SubMesh> elements_around(const std::vector<CellNodes>& types, const std::vector<char>& moves) {
-    std::vector<SubMesh> parts(types.size());
-    std::vector<int> number(moves.size(), -1), nodes;  // node of the mesh -> node of the part, and back
-    const auto every_node = [&](std::size_t t, const auto& body) {
-        for (const int e : parts[t].place)
-            for (int i = 0; i < types[t].m; ++i) body(types[t].elements[offset(e, types[t].m, i)]);
-    };
-    for (std::size_t t = 0; t < types.size(); ++t)
-        for (int e = 0; e < types[t].count; ++e) {
-            const int* const node = &types[t].elements[offset(e, types[t].m)];
-            if (std::any_of(node, node + types[t].m, [&](int i) { return moves[i]; })) parts[t].place.push_back(e);
-        }
-    for (const bool moving : {true, false})
-        for (std::size_t t = 0; t < types.size(); ++t)
-            every_node(t, [&](int node) {
-                if (number[node] >= 0 || static_cast<bool>(moves[node]) != moving) return;
-                number[node] = static_cast<int>(nodes.size());
-                nodes.push_back(node);
-            });
-    for (std::size_t t = 0; t < types.size(); ++t) {
-        parts[t].node = nodes;
-        every_node(t, [&](int node) { parts[t].elements.push_back(number[node]); });
-    }
-    return parts;
-}
-
-SubMesh elements_around(const Mesh& mesh, const std::vector<char>& moves) {
-    std::vector<CellNodes> types;
-    for (const ElementGroup& group : mesh.element_groups())
-        types.push_back({&mesh.elements[group.start], group.count, group.cell->node_count(mesh.degree)});
-    const std::vector<SubMesh> parts = elements_around(types, moves);
-    SubMesh all{{}, parts[0].node, {}};
-    int first = 0;
-    for (std::size_t t = 0; t < types.size(); ++t) {
-        for (const int e : parts[t].place) all.place.push_back(first + e);
-        all.elements.insert(all.elements.end(), parts[t].elements.begin(), parts[t].elements.end());
-        first += types[t].count;
-    }
-    return all;
-}
-
 }  // namespace almesh

@@ -21,21 +21,4 @@ std::vector<char> surroundings(const Mesh& mesh, const std::vector<char>& chosen
 Mesh of_one_type(const Mesh& mesh, const std::vector<int>& elements);
 std::vector<int> elements_of(const ElementGroup& group);
 
-// Elements of one type: count x m node numbers.
-struct CellNodes {
-    const int* elements;
-    int count, m;
-};
-
-struct SubMesh {
-    std::vector<int> place;     // of each element among those given
-    std::vector<int> node;      // node here -> node of the mesh; those that move come first
-    std::vector<int> elements;  // the nodes of each element, numbers of here
-};
-
-// The elements with a node that moves, of each type, with the same numbers of nodes; and those of a mesh. moves: per
-// node of the mesh.
-std::vector<SubMesh> elements_around(const std::vector<CellNodes>& types, const std::vector<char>& moves);
-SubMesh elements_around(const Mesh& mesh, const std::vector<char>& moves);
-
 }  // namespace almesh

@@ -1,22 +1,26 @@
-// A functional (functional.hpp) as a function of the positions of some nodes, all others fixed where they are: what
-// remains of it are the elements around these nodes, so that energy, derivatives and linear systems cost as much as on
-// a mesh of that size. Vectors and matrices here have the nodes that move, and no others, in an order of their own.
+// A functional (functional.hpp) as a function of the positions of some nodes, all others fixed where they are: the
+// functional of the elements around these nodes, so that energy, derivatives and linear systems cost as much as on a
+// mesh of that size. Vectors and matrices here have the nodes that move, and no others, in an order of their own.
 #pragma once
 #include <memory>
 #include <vector>
 
 #include "linalg/block_csr.hpp"
+#include "mesh/restriction.hpp"
 #include "method/functional.hpp"
 
 namespace almesh {
 
-// The elements with a node that moves.
 struct ElementsAround {
-    std::vector<int> node_;  // of them, those that move first: here -> mesh
-    std::unique_ptr<DistortionEnergy> elements_;
+    Restriction around_;
+    std::vector<double> lambda_;
+    std::unique_ptr<DistortionEnergy> energy_;
+    std::unique_ptr<Constraint> constraint_;
 
-    ElementsAround(const DistortionEnergy& mesh, const std::vector<double>& x, const std::vector<char>& moves)
-        : elements_(mesh.part(x, moves, node_)) {}
+    ElementsAround(const AugmentedFunctional& E, const std::vector<double>& x, const std::vector<char>& moves)
+        : lambda_(E.lambda),
+          energy_(E.distortion.part(x, moves, around_)),
+          constraint_(E.constraint.part(around_, lambda_)) {}
 };
 
 class LocalFunctional : private ElementsAround, public Functional {
@@ -24,10 +28,10 @@ public:
     // x: node_count x dim, a valid mesh. moves: per node, not all zero.
     LocalFunctional(const AugmentedFunctional& E, const std::vector<double>& x, const std::vector<char>& moves);
 
-    int nodes() const { return moving_; }
+    int nodes() const { return around_.moving; }
     // Positions of the nodes that move, from and to those of the functional that this is a part of.
-    std::vector<double> read(const std::vector<double>& x) const;
-    void write(const std::vector<double>& y, std::vector<double>& x) const;
+    std::vector<double> read(const std::vector<double>& x) const { return around_.read(x, dim_); }
+    void write(const std::vector<double>& y, std::vector<double>& x) const { around_.write(y, dim_, x); }
 
     double energy(const std::vector<double>& y) const override;  // E up to a constant
     double distortion_energy(const std::vector<double>& y, double energy) const override;
@@ -36,15 +40,13 @@ public:
     BlockCsr hessian_pattern() const;
     void hessian(const std::vector<double>& y, HessianKind kind, BlockCsr& H,
                  const Projection& projection = {}) const override;
+    double rounding_error(const std::vector<double>& y, std::vector<double>& force) const override;
     std::unique_ptr<LocalFunctional> part(const std::vector<double>& y, std::vector<char> moves) const override;
 
 private:
-    const AugmentedFunctional& E_;
-    std::vector<double> x_;   // of the mesh at the start
-    int dim_, moving_;        // moving_: nodes, the first of node_
-    std::vector<int> place_;  // of those: here -> in the functional that this is a part of
-    std::unique_ptr<ConstraintPart> constraint_;
-    mutable std::vector<double> at_, to_, g_;  // of all of node_
+    AugmentedFunctional E_;  // of all nodes of the elements
+    int dim_;
+    mutable std::vector<double> at_, to_, g_;
     mutable BlockCsr H_;
 
     const std::vector<double>& with_fixed(const std::vector<double>& y, std::vector<double>& all) const;

@@ -9,7 +9,7 @@
 #include "base/small_matrix.hpp"
 #include "check/scaled_jacobian.hpp"
 #include "geometry/patch.hpp"
-#include "mesh/part.hpp"
+#include "mesh/restriction.hpp"
 #include "method/local_functional.hpp"
 #include "method/newton.hpp"
 
@@ -33,7 +33,7 @@ public:
                 number_[i] = static_cast<int>(node_.size());
                 node_.push_back(i);
             }
-        for (const int e : elements_around(mesh, moves).place) add_corners(mesh, e);
+        for (const int e : restriction_to(moves, mesh).element) add_corners(mesh, e);
     }
 
     std::vector<double> read(const std::vector<double>& x) const {

@@ -10,7 +10,7 @@
 #include "check/certificate.hpp"
 #include "check/infeasible.hpp"
 #include "geometry/face_patches.hpp"
-#include "mesh/part.hpp"
+#include "mesh/restriction.hpp"
 #include "mesh/quadrature.hpp"
 #include "mesh/sides.hpp"
 #include "method/local_functional.hpp"
@@ -154,7 +154,7 @@ private:
         for (const int e : result_.left)
             if (!infeasible[e]) for_nodes(e, [&](int i) { near[i] = 1; });
         for (int layer = 0; layer < layers; ++layer)
-            for (const int e : elements_around(mesh_, near).place) for_nodes(e, [&](int i) { near[i] = 1; });
+            for (const int e : restriction_to(near, mesh_).element) for_nodes(e, [&](int i) { near[i] = 1; });
         for (int i = 0; i < mesh_.nodes(); ++i) near[i] = near[i] && !E_.fixed[i];
         DisjointSets sets(mesh_.nodes());
         for (int e = 0; e < mesh_.element_count(); ++e) {
@@ -195,7 +195,7 @@ private:
     }
 
     bool is_valid(const Moves& moves, const std::vector<double>& x) const {
-        return is_valid(*E_.part(x, moves), elements_around(mesh_, moves).place, x);
+        return is_valid(*E_.part(x, moves), restriction_to(moves, mesh_).element, x);
     }
 
     // Moves the nodes of the region in `at` where that makes it valid; whether it does.
@@ -203,7 +203,7 @@ private:
         const std::unique_ptr<LocalFunctional> local = E_.part(at, moves);
         DistortionEnergy& distortion = local->distortion;
         std::vector<double> y = local->read(at), x = at;
-        const std::vector<int> elements = elements_around(mesh_, moves).place;
+        const std::vector<int> elements = restriction_to(moves, mesh_).element;
         const auto is_valid_now = [&] { return is_valid(*local, elements, x); };
         if (is_valid_now()) return false;  // a neighbour of one that is not
         Newton newton(local->hessian_pattern(), linear_,

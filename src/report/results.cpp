@@ -133,7 +133,7 @@ void write_stop(const Deck& deck, const Problem& problem, const Solution& soluti
     const Constraint& constraint = *problem.level->constraint;
     const std::vector<double> targets = constraint.targets(solution.x);
     const std::vector<int> boundary = boundary_of_nodes(mesh, problem.target);
-    const SubMesh around = neighbourhood(mesh, solution.diagnosis);
+    const Restriction around = neighbourhood(mesh, solution.diagnosis);
     std::vector<const CellType*> types;
     std::vector<double> x, node_id, of_node, at_node, to_target;
     for (const int i : around.node) {
@@ -149,7 +149,7 @@ void write_stop(const Deck& deck, const Problem& problem, const Solution& soluti
                 has_target ? problem.frame.length * (targets[offset(t, dim, a)] - point(solution.x, i, dim)[a]) : 0.0);
     }
     std::vector<double> element_id, distortion, scaled_jacobian, at_element;
-    for (const int e : around.place) {
+    for (const int e : around.element) {
         types.push_back(&mesh.cell(e));
         element_id.push_back(static_cast<double>(mesh.file.element_id[e]));
         distortion.push_back(solution.al.distortion.element_max[e]);

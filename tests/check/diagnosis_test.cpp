@@ -151,19 +151,19 @@ TEST_CASE("a neighbourhood grows ring by ring, as long as it is not too large") 
         const Mesh mesh = raise_degree(square_mesh(12), degree);
         Diagnosis at;
         at.node = node_at(mesh, {0.5, 0.5});
-        CHECK(neighbourhood(mesh, at, 1).place.size() == 6);
-        CHECK(neighbourhood(mesh, at, 2).place.size() == 24);
-        CHECK(neighbourhood(mesh, at).place.size() == 54);
-        CHECK(neighbourhood(mesh, at, 3, 30).place.size() == 24);
-        CHECK(neighbourhood(mesh, at, 3, 5).place.size() == 6);
-        const SubMesh around = neighbourhood(mesh, at);
-        CHECK(around.elements.size() == around.place.size() * mesh.element_nodes());
+        CHECK(neighbourhood(mesh, at, 1).element.size() == 6);
+        CHECK(neighbourhood(mesh, at, 2).element.size() == 24);
+        CHECK(neighbourhood(mesh, at).element.size() == 54);
+        CHECK(neighbourhood(mesh, at, 3, 30).element.size() == 24);
+        CHECK(neighbourhood(mesh, at, 3, 5).element.size() == 6);
+        const Restriction around = neighbourhood(mesh, at);
+        CHECK(around.elements.size() == around.element.size() * mesh.element_nodes());
         for (std::size_t k = 0; k < around.elements.size(); ++k)
             CHECK(around.node[around.elements[k]] ==
-                  mesh.element(around.place[k / mesh.element_nodes()])[k % mesh.element_nodes()]);
+                  mesh.element(around.element[k / mesh.element_nodes()])[k % mesh.element_nodes()]);
         at.node = -1;
         at.element = 0;  // in the corner of the square with two triangles
-        CHECK(neighbourhood(mesh, at, 1).place.size() == 7);
+        CHECK(neighbourhood(mesh, at, 1).element.size() == 7);
     }
 }
 

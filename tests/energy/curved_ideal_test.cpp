@@ -75,17 +75,17 @@ TEST_CASE("both assemblies agree on a curved ideal mesh, with refined quadrature
         for (const Objective objective : {Objective::squared, Objective::deviation, Objective::size_shape}) {
             const std::vector<double> x = wavy(stretched(c.ideal, c.mesh.dim), c.mesh.dim, 0.005);
             std::unique_ptr<DistortionEnergy> energy[2], part[2];
-            std::vector<int> node[2];
+            Restriction around[2];
             std::vector<char> moves(c.mesh.nodes(), 0);
             for (int i = 1; i < c.mesh.nodes(); i += 4) moves[i] = 1;
             for (int k = 0; k < 2; ++k) {
                 energy[k] = energy_on(c, assemblies[k], objective, 0.5);
-                part[k] = energy[k]->part(x, moves, node[k]);
+                part[k] = energy[k]->part(x, moves, around[k]);
             }
             check_same(*energy[0], *energy[1], x, 1e-11);
             std::vector<double> on_part[2];
             for (int k = 0; k < 2; ++k)
-                for (const int i : node[k])
+                for (const int i : around[k].node)
                     on_part[k].insert(on_part[k].end(), point(x, i, c.mesh.dim), point(x, i, c.mesh.dim) + c.mesh.dim);
             CHECK(part[0]->energy(on_part[0]) == doctest::Approx(part[1]->energy(on_part[1])).epsilon(1e-12));
             CHECK(part[0]->domain_volume() == doctest::Approx(part[1]->domain_volume()).epsilon(1e-12));

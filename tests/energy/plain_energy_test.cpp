@@ -159,8 +159,9 @@ TEST_CASE("a part has the energy, gradient and Hessian of the elements around th
                 if (moves[i / dim]) v[i] = std::cos(static_cast<double>(i));
             for (const Assembly assembly : assemblies) {
                 const auto whole = make_energy(mesh, ideal, {objective, 0, 0.5, 0, assembly});
-                std::vector<int> node;
-                const auto part = whole->part(x, moves, node);
+                Restriction around;
+                const auto part = whole->part(x, moves, around);
+                const std::vector<int>& node = around.node;
                 const std::vector<int> number = numbers_in_part(node, mesh.nodes());
                 const std::vector<double> part_x = on_part(x, node, dim), part_y = on_part(y, node, dim);
                 CHECK(part->domain_volume() <= whole->domain_volume() * (1 + 1e-14));
@@ -190,13 +191,13 @@ TEST_CASE("the parts of both assemblies are the same energy") {
         const std::vector<double> ideal = straight_sided(mesh), x = wavy(mesh.x, mesh.dim, 0.03);
         const std::vector<char> moves = some_nodes(mesh.nodes());
         for (double delta : {0.0, 0.3}) {
-            std::vector<int> node[2];
+            Restriction around[2];
             std::unique_ptr<DistortionEnergy> part[2];
             for (int k = 0; k < 2; ++k)
                 part[k] = make_energy(mesh, ideal, {Objective::deviation, delta, 0.5, 0, assemblies[k]})
-                              ->part(x, moves, node[k]);
+                              ->part(x, moves, around[k]);
             CHECK(part[0]->domain_volume() == doctest::Approx(part[1]->domain_volume()).epsilon(1e-13));
-            const std::vector<double> x0 = on_part(x, node[0], mesh.dim), x1 = on_part(x, node[1], mesh.dim);
+            const std::vector<double> x0 = on_part(x, around[0].node, mesh.dim), x1 = on_part(x, around[1].node, mesh.dim);
             CHECK(part[0]->energy(x0) == doctest::Approx(part[1]->energy(x1)).epsilon(1e-12));
             const std::vector<double> g0 = gradient(*part[0], x0), g1 = gradient(*part[1], x1);
             std::vector<double> in_mesh[2];
@@ -204,7 +205,7 @@ TEST_CASE("the parts of both assemblies are the same energy") {
                 in_mesh[k].assign(x.size(), 0.0);
                 const std::vector<double>& g = k == 0 ? g0 : g1;
                 for (std::size_t i = 0; i < g.size(); ++i)
-                    in_mesh[k][node[k][i / mesh.dim] * mesh.dim + i % mesh.dim] = g[i];
+                    in_mesh[k][around[k].node[i / mesh.dim] * mesh.dim + i % mesh.dim] = g[i];
             }
             CHECK(relative_difference(in_mesh[0], in_mesh[1]) <= 1e-12);
         }
@@ -290,14 +291,14 @@ TEST_CASE("elements with a finer quadrature: both assemblies agree, in parts too
             CHECK(b.relative_quality == doctest::Approx(a.relative_quality).epsilon(1e-13));
             CHECK(relative_difference(a.element_max, b.element_max) <= 1e-13);
 
-            std::vector<int> node, other_node;
-            const auto part = simd.part(x, some_nodes(mesh.nodes()), node);
-            const auto other = plain.part(x, some_nodes(mesh.nodes()), other_node);
+            Restriction of_simd, of_plain;
+            const auto part = simd.part(x, some_nodes(mesh.nodes()), of_simd);
+            const auto other = plain.part(x, some_nodes(mesh.nodes()), of_plain);
             CHECK(part->refined_elements() > 0);
             CHECK(part->refined_elements() == other->refined_elements());
             CHECK(part->domain_volume() == doctest::Approx(other->domain_volume()));
-            CHECK(part->energy(on_part(x, node, mesh.dim)) ==
-                  doctest::Approx(other->energy(on_part(x, other_node, mesh.dim))).epsilon(1e-12));
+            CHECK(part->energy(on_part(x, of_simd.node, mesh.dim)) ==
+                  doctest::Approx(other->energy(on_part(x, of_plain.node, mesh.dim))).epsilon(1e-12));
 
             std::vector<double> d(x.size()), error;
             for (std::size_t i = 0; i < d.size(); ++i) d[i] = std::sin(7.0 * i);
@@ -322,13 +323,14 @@ TEST_CASE("a part hands its refinements back") {
     const std::vector<double> x = wavy(mesh.x, 2, 0.02);
     for (const Assembly assembly : assemblies) {
         const auto whole = make_energy(mesh, straight_sided(mesh), {.assembly = assembly});
-        std::vector<int> node;
-        const auto part = whole->part(x, some_nodes(mesh.nodes()), node);
+        Restriction around;
+        const auto part = whole->part(x, some_nodes(mesh.nodes()), around);
+        const std::vector<int>& node = around.node;
         REQUIRE(part->valid_fraction(on_part(x, node, 2), on_part(wavy(mesh.x, 2, 0.2), node, 2)) < 1);
         REQUIRE(part->refine_quadrature());
         CHECK(whole->take_over_refinements(*part));
         CHECK(whole->refined_elements() == part->refined_elements());
-        const auto again = whole->part(x, some_nodes(mesh.nodes()), node);
+        const auto again = whole->part(x, some_nodes(mesh.nodes()), around);
         CHECK(again->energy(on_part(x, node, 2)) ==
               doctest::Approx(part->energy(on_part(x, node, 2))).epsilon(1e-13));
         // What the whole has had before is not handed back a second time.
@@ -337,6 +339,6 @@ TEST_CASE("a part hands its refinements back") {
         CHECK(!whole->take_over_refinements(*again));
         CHECK(whole->energy(x) == before);
         REQUIRE(whole->valid_fraction(x, wavy(mesh.x, 2, 0.25)) < 1);  // not yet refined
-        CHECK(!whole->part(x, some_nodes(mesh.nodes()), node)->refine_quadrature());
+        CHECK(!whole->part(x, some_nodes(mesh.nodes()), around)->refine_quadrature());
     }
 }

@@ -70,9 +70,10 @@ TEST_CASE("both assemblies agree on quadrilaterals, with refined quadratures and
             check_same(*simd, *plain, x);
             std::vector<char> moves(mesh.nodes(), 0);
             for (int i = 1; i < mesh.nodes(); i += 5) moves[i] = 1;
-            std::vector<int> node, other_node;
-            const auto part = simd->part(x, moves, node), other = plain->part(x, moves, other_node);
-            REQUIRE(node == other_node);
+            Restriction around, of_plain;
+            const auto part = simd->part(x, moves, around), other = plain->part(x, moves, of_plain);
+            const std::vector<int>& node = around.node;
+            REQUIRE(node == of_plain.node);
             CHECK(part->refined_elements() == other->refined_elements());
             CHECK(part->domain_volume() == doctest::Approx(other->domain_volume()).epsilon(1e-13));
             std::vector<double> y = on_part(x, node);
@@ -178,9 +179,10 @@ TEST_CASE("a mixed mesh keeps the state of its quadrature, takes over that of pa
 
         std::vector<char> moves(mesh.nodes(), 0);
         moves[mesh.element(0)[0]] = moves[mesh.element(mesh.element_count() - 1)[0]] = 1;
-        std::vector<int> node;
+        Restriction around;
         const auto whole = make_energy(mesh, mesh.x, with(Objective::deviation, assembly));
-        const auto part = whole->part(x, moves, node);
+        const auto part = whole->part(x, moves, around);
+        const std::vector<int>& node = around.node;
         REQUIRE(part->valid_fraction(on_part(x, node), on_part(wavy(mesh.x, 2, 0.3), node)) < 1);
         REQUIRE(part->refine_quadrature());
         CHECK(whole->take_over_refinements(*part));

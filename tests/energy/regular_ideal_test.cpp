@@ -68,8 +68,9 @@ TEST_CASE("both assemblies agree, with parts of a mesh too, and derivatives have
             check_same(*simd, *plain, x);
             std::vector<char> moves(mesh.nodes(), 0);
             moves[mesh.element(0)[0]] = moves[mesh.element(0)[1]] = 1;
-            std::vector<int> node;
-            const auto part = simd->part(x, moves, node);
+            Restriction around;
+            const auto part = simd->part(x, moves, around);
+            const std::vector<int>& node = around.node;
             std::vector<double> y;
             for (const int i : node) y.insert(y.end(), point(x, i, mesh.dim), point(x, i, mesh.dim) + mesh.dim);
             std::vector<double> g = gradient(*simd, x), of_part = gradient(*part, y);

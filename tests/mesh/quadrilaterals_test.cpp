@@ -191,7 +191,7 @@ TEST_CASE("a part of a mixed mesh has its cells, and its cut as a boundary") {
     CHECK((sides + part.face_count()) % 2 == 0);
     for (int f = 0; f < part.face_count(); ++f)
         CHECK(side_number(part, part.face_element[f], part.face_vertices(f)) >= 0);
-    const SubMesh found = elements_around(mesh, std::vector<char>(mesh.nodes(), 1));
+    const Restriction found = restriction_to(std::vector<char>(mesh.nodes(), 1), mesh);
     CHECK(found.elements.size() == mesh.elements.size());
 }
 

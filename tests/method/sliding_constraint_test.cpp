@@ -3,6 +3,7 @@
 // more of it than constraint.hpp says.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
@@ -68,104 +69,74 @@ struct Term {
     }
 };
 
-// The conditions of some nodes, numbered anew: as nonlinear as the whole.
-class SlidingPart : public ConstraintPart {
-public:
-    Circle circle;
-    std::vector<Condition> conditions;
-    std::vector<double> lambda;
-    double one, mu;
-
-    void add_value(const std::vector<double>& y, double& E) override {
-        each(y, false, [&](int, const Term& term) { E += term.value; });
-    }
-    void add_gradient(const std::vector<double>& y, std::vector<double>& g) override {
-        each(y, false, [&](int node, const Term& term) {
-            for (int a = 0; a < 2; ++a) g[offset(node, 2, a)] += term.g[a];
-        });
-    }
-    void add_hessian(const std::vector<double>& y, bool projected, BlockCsr& H) override {
-        each(y, projected, [&](int node, const Term& term) {
-            double* const block = H.block(H.find(node, node));
-            for (int a = 0; a < 2; ++a)
-                for (int b = 0; b < 2; ++b) block[a * 2 + b] += term.H[a][b];
-        });
-    }
-
-private:
-    template <class Body>
-    void each(const std::vector<double>& y, bool projected, const Body& body) const {
-        for (std::size_t k = 0; k < conditions.size(); ++k) {
-            const int node = conditions[k].node;
-            body(node, Term(conditions[k].at(point(y, node, 2), circle), one, lambda[k], mu, projected));
-        }
-    }
-};
-
 // (u, v) = sum over the nodes of u . v, so that |1|^2 is their number. One multiplier for a node that slides, two for
 // one that stays.
 class Sliding : public Constraint {
 public:
-    Sliding(const Mesh& mesh, const std::vector<double>& ideal, const Circle& circle) : ideal_(ideal) {
+    Sliding(const Mesh& mesh, const std::vector<double>& ideal, const Circle& circle) : ideal_(ideal), circle_(circle) {
         std::vector<int> boundary(mesh.nodes(), -1);
         for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k)
             boundary[mesh.faces[k]] = mesh.face_boundary[k / mesh.face_nodes(0)];
         for (int i = 0; i < mesh.nodes(); ++i) {
             if (boundary[i] < 0) continue;
             nodes_.push_back(i);
-            if (mesh.boundaries[boundary[i]] == "inner") all_.conditions.push_back({i, -1, 0});
+            if (mesh.boundaries[boundary[i]] == "inner") conditions_.push_back({i, -1, 0});
             else
-                for (int a = 0; a < 2; ++a) all_.conditions.push_back({i, a, point(ideal, i, 2)[a]});
+                for (int a = 0; a < 2; ++a) conditions_.push_back({i, a, point(ideal, i, 2)[a]});
         }
-        all_.circle = circle;
-        all_.one = std::sqrt(static_cast<double>(nodes_.size()));
+        one_ = std::sqrt(static_cast<double>(nodes_.size()));
     }
 
-    int multipliers() const override { return static_cast<int>(all_.conditions.size()); }
-    double norm_of_one() const override { return all_.one; }
+    int multipliers() const override { return static_cast<int>(conditions_.size()); }
+    double norm_of_one() const override { return one_; }
     double norm(const std::vector<double>& x) override { return projected_norm(x); }
     double projected_norm(const std::vector<double>& x) override { return norm_2(values(x)); }
     double max_error(const std::vector<double>& x) override {
         double most = 0;
-        for (double c : values(x)) most = std::max(most, std::abs(c) * all_.one);
+        for (double c : values(x)) most = std::max(most, std::abs(c) * one_);
         return most;
     }
     std::vector<double> relative_errors(const std::vector<double>& x) const override {
         std::vector<double> errors = values(x);
-        for (double& c : errors) c = std::abs(c) * all_.one;  // in a cell of height 1
+        for (double& c : errors) c = std::abs(c) * one_;  // in a cell of height 1
         return errors;
     }
     double value(const std::vector<double>& x, const std::vector<double>& lambda, double mu) override {
         double E = 0;
-        set(lambda, mu).add_value(x, E);
+        each(x, lambda, mu, false, [&](int, const Term& term) { E += term.value; });
         return E;
     }
     void add_gradient(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
                       std::vector<double>& g) override {
-        set(lambda, mu).add_gradient(x, g);
+        each(x, lambda, mu, false, [&](int node, const Term& term) {
+            for (int a = 0; a < 2; ++a) g[offset(node, 2, a)] += term.g[a];
+        });
     }
     void add_hessian(const std::vector<double>& x, const std::vector<double>& lambda, double mu, bool projected,
                      BlockCsr& H) override {
-        set(lambda, mu).add_hessian(x, projected, H);
+        each(x, lambda, mu, projected, [&](int node, const Term& term) {
+            double* const block = H.block(H.find(node, node));
+            for (int a = 0; a < 2; ++a)
+                for (int b = 0; b < 2; ++b) block[a * 2 + b] += term.H[a][b];
+        });
     }
     void update_multipliers(const std::vector<double>& x, double mu, std::vector<double>& lambda) override {
         const std::vector<double> c = values(x);
         for (std::size_t k = 0; k < c.size(); ++k) lambda[k] -= mu * c[k];
     }
-    std::unique_ptr<ConstraintPart> part(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
-                                         const std::vector<int>& node, const BlockCsr& pattern) override {
-        CHECK(pattern.n == static_cast<int>(node.size()));
-        std::vector<int> number(x.size() / 2, -1);
-        for (std::size_t k = 0; k < node.size(); ++k) number[node[k]] = static_cast<int>(k);
-        auto part = std::make_unique<SlidingPart>(all_);
-        part->conditions.clear();
-        part->mu = mu;
-        for (std::size_t k = 0; k < all_.conditions.size(); ++k) {
-            if (number[all_.conditions[k].node] < 0) continue;
-            part->conditions.push_back(all_.conditions[k]);
-            part->conditions.back().node = number[all_.conditions[k].node];
-            part->lambda.push_back(lambda[k]);
+    // The conditions of these nodes, numbered anew: as nonlinear as the whole.
+    std::unique_ptr<Constraint> part(const Restriction& around, std::vector<double>& lambda) const override {
+        auto part = std::make_unique<Sliding>(*this);
+        part->conditions_.clear();
+        std::vector<double> of_part;
+        for (std::size_t k = 0; k < conditions_.size(); ++k) {
+            const auto at = std::find(around.node.begin(), around.node.end(), conditions_[k].node);
+            if (at == around.node.end()) continue;
+            part->conditions_.push_back(conditions_[k]);
+            part->conditions_.back().node = static_cast<int>(at - around.node.begin());
+            of_part.push_back(lambda[k]);
         }
+        lambda = of_part;
         ++parts;
         return part;
     }
@@ -176,7 +147,7 @@ public:
         return field;
     }
     std::vector<double> multipliers_of_field(const std::vector<double>& field) const override {
-        std::vector<double> lambda(all_.conditions.size(), 0.0);
+        std::vector<double> lambda(conditions_.size(), 0.0);
         each_direction([&](std::size_t k, std::size_t i, double direction) { lambda[k] += field[i] * direction; });
         return lambda;
     }
@@ -186,9 +157,9 @@ public:
 
     SurfaceDistance distance(int t, const Vec<3>& x) const override {  // r = sum of h grad h
         SurfaceDistance sum;
-        for (const Condition& condition : all_.conditions) {
+        for (const Condition& condition : conditions_) {
             if (condition.node != nodes_[t]) continue;
-            const auto d = condition.at(x.data(), all_.circle);
+            const auto d = condition.at(x.data(), circle_);
             for (int a = 0; a < 2; ++a) {
                 sum.r[a] += d.h * d.h1[a];
                 for (int b = 0; b < 2; ++b) sum.slope[a][b] += d.h1[a] * d.h1[b] + d.h * d.h2[a][b];
@@ -197,33 +168,38 @@ public:
         return sum;
     }
 
-    int parts = 0;  // made so far
+    mutable int parts = 0;  // made so far
 
 private:
     const std::vector<double>& ideal_;
     std::vector<int> nodes_;
-    SlidingPart all_;
+    Circle circle_;
+    double one_;
+    std::vector<Condition> conditions_;
 
-    SlidingPart& set(const std::vector<double>& lambda, double mu) {
-        REQUIRE(lambda.size() == all_.conditions.size());
-        all_.lambda = lambda;
-        all_.mu = mu;
-        return all_;
+    template <class Body>
+    void each(const std::vector<double>& x, const std::vector<double>& lambda, double mu, bool projected,
+              const Body& body) const {
+        REQUIRE(lambda.size() == conditions_.size());
+        for (std::size_t k = 0; k < conditions_.size(); ++k) {
+            const int node = conditions_[k].node;
+            body(node, Term(conditions_[k].at(point(x, node, 2), circle_), one_, lambda[k], mu, projected));
+        }
     }
     std::vector<double> values(const std::vector<double>& x) const {
         std::vector<double> c;
-        for (const Condition& condition : all_.conditions)
-            c.push_back(condition.at(point(x, condition.node, 2), all_.circle).h / all_.one);
+        for (const Condition& condition : conditions_)
+            c.push_back(condition.at(point(x, condition.node, 2), circle_).h / one_);
         return c;
     }
     // body(condition, place in the field, component of the direction that it acts in at the ideal mesh).
     template <class Body>
     void each_direction(const Body& body) const {
         std::size_t t = 0;
-        for (std::size_t k = 0; k < all_.conditions.size(); ++k) {
-            const Condition& condition = all_.conditions[k];
+        for (std::size_t k = 0; k < conditions_.size(); ++k) {
+            const Condition& condition = conditions_[k];
             while (nodes_[t] != condition.node) ++t;
-            const auto d = condition.at(point(ideal_, condition.node, 2), all_.circle);
+            const auto d = condition.at(point(ideal_, condition.node, 2), circle_);
             for (int a = 0; a < 2; ++a) body(k, 2 * t + a, d.h1[a]);
         }
     }
