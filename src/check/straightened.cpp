@@ -49,7 +49,7 @@ Straightened straightened(const Mesh& mesh, const std::vector<double>& straight,
     return found;
 }
 
-Injectivity certify_curved(Mesh& mesh, const std::vector<double>& straight, const std::vector<double>& curved,
+Injectivity certify_curved(Mesh mesh, const std::vector<double>& straight, const std::vector<double>& curved,
                            const std::vector<double>& x, const Certificate& certificate) {
     Injectivity found;
     for (const std::vector<double>* const before : {&curved, &straight}) {
@@ -72,10 +72,8 @@ StraightenedMesh straighten_invalid(Mesh mesh, const std::vector<double>& straig
         if (!at_fault.empty() && !found.certificate.valid) return at_fault;
         found.injectivity = certify_curved(mesh, straight, curved, x, found.certificate);
         if (found.injectivity.certified) return at_fault;
-        if (!helps) {
-            mesh.x = straight;
-            helps = certify_injective(mesh, straight, certify(mesh, straight)).certified;
-        }
+        mesh.x = straight;
+        if (!helps) helps = certify_injective(mesh, straight, certify(mesh, straight)).certified;
         if (*helps)
             for (const int e : overlapping(mesh, x, found.injectivity)) at_fault.push_back(e);
         return at_fault;

@@ -28,7 +28,7 @@ Straightened straightened(const Mesh& mesh, const std::vector<double>& straight,
 
 // As certify_injective() of injectivity.hpp, of a mesh whose curved form and whose straight one may each overlap itself
 // where the other does not.
-Injectivity certify_curved(Mesh& mesh, const std::vector<double>& straight, const std::vector<double>& curved,
+Injectivity certify_curved(Mesh mesh, const std::vector<double>& straight, const std::vector<double>& curved,
                            const std::vector<double>& x, const Certificate& certificate);
 
 struct StraightenedMesh : Straightened {

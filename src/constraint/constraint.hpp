@@ -64,9 +64,9 @@ public:
     virtual void bend(const std::vector<double>& /*x*/, const std::vector<double>& /*d*/, double /*t*/,
                       std::vector<double>& /*y*/) const {}
 
-    // Restricted to some nodes: C up to a constant as a function of the positions of these alone, in their numbers;
-    // entries of derivatives are right where nodes move, the others do not count. What is measured between nodes is left
-    // to the whole. lambda: on return the multipliers of the part.
+    // Restricted to some nodes: C up to a constant, as a function of the positions of these alone, in their numbers.
+    // Entries of derivatives are right where nodes move; the others do not count. What is measured between nodes is
+    // left to the whole. lambda: on return the multipliers of the part.
     virtual std::unique_ptr<Constraint> part(const Restriction& around, std::vector<double>& lambda) const = 0;
 
     // For derivatives of the solution. Of nodes()[t] at x: r, where it is prescribed the distance from its target, and

@@ -156,7 +156,7 @@ double Dirichlet::error_between_nodes(const std::vector<double>& x) {
 }
 
 std::vector<double> Dirichlet::relative_errors(const std::vector<double>& x) const {
-    return trace_.relative_distances(x, g_h_);
+    return trace_.relative_distances(x, targets(x));
 }
 
 std::vector<char> Dirichlet::off_target(const std::vector<double>& x) const {

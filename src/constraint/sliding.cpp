@@ -6,19 +6,9 @@
 
 #include "base/index.hpp"
 #include "constraint/boundary_faces.hpp"
+#include "mesh/restriction.hpp"
 
 namespace almesh {
-namespace {
-
-// face x face node x dim, as the file has them.
-std::vector<double> places_of_faces(const Mesh& mesh) {
-    std::vector<double> positions;
-    for (const int i : mesh.faces)
-        positions.insert(positions.end(), point(mesh.x, i, mesh.dim), point(mesh.x, i, mesh.dim) + mesh.dim);
-    return positions;
-}
-
-}  // namespace
 
 SlidingSurfaces::SlidingSurfaces(const Mesh& base, const std::vector<double>& node, const std::vector<char>& slides,
                                  double feature_angle, const Frame& frame, const std::vector<OtherSurface>& other)
@@ -48,7 +38,7 @@ SlidingSurfaces::SlidingSurfaces(const Mesh& base, const std::vector<double>& no
             continue;
         }
         const Mesh& mesh = *other[b].mesh;
-        const BoundaryFaces others(mesh, places_of_faces(mesh), other[b].boundaries);
+        const BoundaryFaces others(mesh, at_nodes(mesh.faces, mesh.x, mesh.dim), other[b].boundaries);
         add_parts(others);
         Faces& faces = faces_[b];
         std::vector<Patch> before;
@@ -67,12 +57,11 @@ SlidingSurfaces::SlidingSurfaces(const Mesh& base, const std::vector<double>& no
     }
 }
 
-SlidingSurfaces::SlidingSurfaces(const SlidingSurfaces& whole, const std::vector<int>& face, const Mesh& part,
-                                 const Frame& frame)
+SlidingSurfaces::SlidingSurfaces(const SlidingSurfaces& whole, const MeshPart& part, const Frame& frame)
     : dim_(whole.dim_), place_(part.face_count(), -1), frame_(frame), basis_(whole.basis_), points_(whole.points_),
       surface_(whole.surface_), boundary_(whole.boundary_), faces_(part.boundaries.size()) {
-    for (std::size_t f = 0; f < face.size(); ++f)
-        if (face[f] >= 0) place_[f] = whole.place_[face[f]];
+    for (int f = 0; f < part.face_count(); ++f)
+        if (part.face_of[f] >= 0) place_[f] = whole.place_[part.face_of[f]];
     for (std::size_t b = 0; b < whole.faces_.size(); ++b) faces_[b].part = whole.faces_[b].part;
 }
 

@@ -16,7 +16,7 @@
 #include "constraint/surface.hpp"
 #include "geometry/closest_point.hpp"
 #include "mesh/lagrange.hpp"
-#include "mesh/mesh.hpp"
+#include "mesh/part.hpp"
 
 namespace almesh {
 
@@ -34,9 +34,9 @@ public:
     SlidingSurfaces(const Mesh& base, const std::vector<double>& node, const std::vector<char>& slides,
                     double feature_angle, const Frame& frame, const std::vector<OtherSurface>& other = {});
 
-    // Those of `whole` for a mesh that was cut out of its own: face[f] is the whole's face that is face f of the part;
-    // -1 for those at the cut, which slide along nothing. No boundary of the whole slides along another mesh.
-    SlidingSurfaces(const SlidingSurfaces& whole, const std::vector<int>& face, const Mesh& part, const Frame& frame);
+    // Those of `whole` for a mesh that was cut out of its own. Faces at the cut slide along nothing. No boundary of the
+    // whole slides along another mesh.
+    SlidingSurfaces(const SlidingSurfaces& whole, const MeshPart& part, const Frame& frame);
 
     int parts() const { return static_cast<int>(surface_.size()); }
     int boundary(int part) const { return boundary_[part]; }

@@ -154,10 +154,6 @@ std::vector<char> SlidingBoundary::off_target(const std::vector<double>& x) cons
     return off;
 }
 
-std::vector<double> SlidingBoundary::relative_errors(const std::vector<double>& x) const {
-    return trace_.relative_distances(x, targets(x));
-}
-
 double SlidingBoundary::max_error(const std::vector<double>& x) {
     double largest = 0;
     for (const double distance : trace_.distances(x, targets(x))) largest = std::max(largest, distance);

@@ -28,7 +28,6 @@ public:
                     std::shared_ptr<const SlidingSurfaces> sliding);
 
     double max_error(const std::vector<double>& x) override;
-    std::vector<double> relative_errors(const std::vector<double>& x) const override;
     void add_gradient(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
                       std::vector<double>& g) override;
     void add_hessian(const std::vector<double>& x, const std::vector<double>& lambda, double mu, bool projected,

@@ -29,14 +29,14 @@ void move(const Motion& motion, const Mesh& mesh, int boundary, double* x) {
                              position_text(before.data(), mesh.dim), " to a position that is not finite");
 }
 
-double extent(const Mesh& mesh) {
+double extent(const std::vector<double>& x) {
     double size = 0;
-    for (double v : mesh.x) size = std::max(size, std::abs(v));
+    for (double v : x) size = std::max(size, std::abs(v));
     return size;
 }
 
-double face_size(const Mesh& mesh, int f) {
-    const std::vector<Vec<3>> vertex = positions(mesh, mesh.x, mesh.face(f), mesh.face_cell(f).vertices);
+double face_size(const Mesh& mesh, const std::vector<double>& x, int f) {
+    const std::vector<Vec<3>> vertex = positions(mesh, x, mesh.face(f), mesh.face_cell(f).vertices);
     double longest = 0;
     for (const Vec<3>& v : vertex) longest = std::max(longest, length(v - vertex[0]));
     return longest;
@@ -56,11 +56,12 @@ double on_flat_face(const double* vertices, const std::vector<double>& weight, i
     return position / degree;
 }
 
-// Where nodes go that two boundaries send to positions which differ by more than a small part of the faces there.
-// Throws where the rule is `refuse`.
-std::map<int, Vec<3>> settled_positions(const Mesh& mesh, const BoundaryTarget& target, const SharedNodes& shared) {
+// Where nodes go that two boundaries send to positions which differ by more than a small part of the faces there, in the
+// mesh with the positions x. Throws where the rule is `refuse`.
+std::map<int, Vec<3>> settled_positions(const Mesh& mesh, const std::vector<double>& x, const BoundaryTarget& target,
+                                        const SharedNodes& shared) {
     const int dim = mesh.dim;
-    const double rounding = 1e-14 * extent(mesh);
+    const double rounding = 1e-14 * extent(x);
     struct Place {
         int face;
         std::size_t k;  // in `faces`
@@ -75,7 +76,7 @@ std::map<int, Vec<3>> settled_positions(const Mesh& mesh, const BoundaryTarget& 
         Vec<3> way{};
         for (int c = 0; c < dim; ++c) way[c] = b[c] - a[c];
         const double most = std::max({std::abs(way[0]), std::abs(way[1]), std::abs(way[2])});
-        if (most <= rounding || most <= 1e-6 * std::min(face_size(mesh, seen.face), face_size(mesh, f)) + rounding)
+        if (most <= rounding || most <= 1e-6 * std::min(face_size(mesh, x, seen.face), face_size(mesh, x, f)) + rounding)
             return;
         claims[mesh.faces[k]];
         if (shared.rule != SharedNodes::refuse) return;
@@ -103,8 +104,8 @@ std::map<int, Vec<3>> settled_positions(const Mesh& mesh, const BoundaryTarget& 
 }
 
 // Takes disputed nodes to one position, and the faces at them along.
-void share_nodes(const Mesh& mesh, const SharedNodes& shared, BoundaryTarget& target) {
-    const std::map<int, Vec<3>> positions = settled_positions(mesh, target, shared);
+void share_nodes(const Mesh& mesh, const std::vector<double>& x, const SharedNodes& shared, BoundaryTarget& target) {
+    const std::map<int, Vec<3>> positions = settled_positions(mesh, x, target, shared);
     const std::vector<NodeKind> boundary = kinds_of_boundaries(mesh, target.kind);
     const int dim = mesh.dim;
     for (std::size_t g = 0; g < target.rules.size() && !positions.empty(); ++g) {
@@ -168,8 +169,8 @@ std::vector<FaceRule> rules_of(const Mesh& mesh, int exactness) {
 
 }  // namespace
 
-BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion, const PlacedNodes& placed,
-                           const SharedNodes& shared) {
+BoundaryTarget make_target(const Mesh& mesh, const std::vector<double>& at, const std::vector<Motion>& motion,
+                           const PlacedNodes& placed, const SharedNodes& shared) {
     const int dim = mesh.dim;
     for (const Motion& each : motion) check_dimension(each, dim);
     BoundaryTarget target;
@@ -185,7 +186,7 @@ BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion, 
         parallel_for_throwing(rule.faces.count, [&](int k) {
             const int f = rule.faces.first + k, boundary = mesh.face_boundary[f];
             const bool from_file = !placed.empty() && !placed[boundary].x.empty();
-            const std::vector<double>& from = from_file ? placed[boundary].x : mesh.x;
+            const std::vector<double>& from = from_file ? placed[boundary].x : at;
             const auto node_position = [&](int i) { return point(from, mesh.face(f)[i], dim); };
             for (int i = 0; i < m; ++i) {
                 double* const x = &target.node[(mesh.face_start(f) + i) * dim];
@@ -201,7 +202,7 @@ BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion, 
         }, move_work * (m + points));
     }
     target.written = target.node;
-    share_nodes(mesh, shared, target);
+    share_nodes(mesh, at, shared, target);
     return target;
 }
 

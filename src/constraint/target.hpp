@@ -58,10 +58,14 @@ struct SharedNodes {
     std::vector<int> rank{};  // per boundary
 };
 
-// motion: one per mesh.boundaries. Throws UsageError where one does not fit the dimension, InputError where a
-// projection is undefined (a node at the centre), or where two boundaries disagree on a node and the rule is `refuse`.
-BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion, const PlacedNodes& placed = {},
-                           const SharedNodes& shared = {});
+// Of the mesh with its nodes at x. motion: one per mesh.boundaries. Throws UsageError where one does not fit the
+// dimension, InputError where a projection is undefined (a node at the centre), or where two boundaries disagree on a
+// node and the rule is `refuse`.
+BoundaryTarget make_target(const Mesh& mesh, const std::vector<double>& x, const std::vector<Motion>& motion,
+                           const PlacedNodes& placed = {}, const SharedNodes& shared = {});
+inline BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion) {
+    return make_target(mesh, mesh.x, motion);
+}
 
 // x (node_count x dim) with the boundary nodes at their positions in the target: the first face that holds a node
 // decides.

@@ -46,12 +46,8 @@ GroupEnergy::GroupEnergy(const GroupEnergy& whole, const std::vector<int>& place
       rules_(whole.rules_.part(place)),
       reference_(rules_.common()),
       has_one_ideal_(whole.has_one_ideal_) {
-    if (has_one_ideal_) curved_ideal_ = whole.curved_ideal_;
-    if (has_one_ideal_ || whole.curved_ideal_.empty()) return;
-    for (const int i : node) {
-        const double* const y = point(whole.curved_ideal_, i, dim_);
-        curved_ideal_.insert(curved_ideal_.end(), y, y + dim_);
-    }
+    const bool has_nodes = !has_one_ideal_ && !whole.curved_ideal_.empty();
+    curved_ideal_ = has_nodes ? at_nodes(node, whole.curved_ideal_, dim_) : whole.curved_ideal_;
 }
 
 std::unique_ptr<DistortionEnergy> GroupEnergy::part(const std::vector<double>& x, const std::vector<char>& moves,

@@ -77,7 +77,7 @@ std::unique_ptr<GroupEnergy> SimdEnergy::part(const std::vector<double>& x, cons
     mesh.elements = around.elements;
     if (!reference_.cell->is_simplex())
         mesh.groups = {{reference_.cell, 0, static_cast<int>(around.element.size()), 0}};
-    for (const int i : around.node) mesh.x.insert(mesh.x.end(), point(x, i, dim_), point(x, i, dim_) + dim_);
+    mesh.x = at_nodes(around.node, x, dim_);
     ElementBlocks blocks = schedule_elements(mesh);
     std::vector<int> place;
     for (const int e : blocks.order) place.push_back(around.element[e]);

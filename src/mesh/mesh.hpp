@@ -38,7 +38,6 @@ struct Mesh {
     std::vector<char> inner;  // per boundary: whether elements are on both sides (inner_boundary.hpp); empty: none
     std::vector<int> contact;  // per boundary: != 0: may overlap others of that number, if < 0 itself; empty: none may
     double rounding = 0;       // of x, beside that of its own digits: of coordinates far from the origin of the file
-    int cut = -1;  // boundary along which it was cut out of another mesh, where its nodes stay (part.hpp); -1: none
     std::vector<std::array<int, 2>> folded;  // neighbours on the same side of their common face: only of Folds::keep
     std::array<KeptCells, 5> kept{};  // simplices by dimension, up to that of the mesh, and in 3D quadrilaterals
     FileTags file;

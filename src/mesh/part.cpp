@@ -11,28 +11,11 @@
 namespace almesh {
 namespace {
 
-// The chosen elements and their nodes; number: per node of the mesh, its number in the part or -1.
-void add_elements(const Mesh& mesh, const std::vector<char>& chosen, Mesh& part, std::vector<int>& number) {
-    number.assign(mesh.nodes(), -1);
-    std::vector<const CellType*> types;
-    for (int e = 0; e < mesh.element_count(); ++e) {
-        if (!chosen[e]) continue;
-        types.push_back(&mesh.cell(e));
-        for (int k = 0; k < mesh.element_nodes(e); ++k) {
-            int& node = number[mesh.element(e)[k]];
-            if (node < 0) {
-                node = part.nodes();
-                const double* const x = point(mesh.x, mesh.element(e)[k], mesh.dim);
-                part.x.insert(part.x.end(), x, x + mesh.dim);
-                part.file.node_id.push_back(mesh.file.node_id[mesh.element(e)[k]]);
-            }
-            part.elements.push_back(node);
-        }
-        part.file.element_id.push_back(mesh.file.element_id[e]);
-        part.file.element_physical.push_back(mesh.file.element_physical[e]);
-        part.file.element_entity.push_back(mesh.file.element_entity[e]);
-    }
-    part.groups = groups_of(types, mesh.degree);
+template <class Values>
+Values picked(const Values& values, const std::vector<int>& numbers) {
+    Values some;
+    for (const int i : numbers) some.push_back(values[i]);
+    return some;
 }
 
 // The sides of the chosen elements that are neither shared by two of them nor boundary faces, by their numbers
@@ -53,10 +36,48 @@ std::vector<int> cut_sides(const Mesh& mesh, const std::vector<char>& chosen) {
     return cut;
 }
 
+// number, element: of the whole's nodes and elements in the part.
+void add_faces(const Mesh& mesh, const std::vector<char>& chosen, const std::vector<int>& number,
+               const std::vector<int>& element, MeshPart& part) {
+    struct Face {
+        const CellType* cell;
+        int face, side;  // in the whole, -1 at the cut; there a side of an element
+    };
+    std::vector<Face> faces;
+    for (int f = 0; f < mesh.face_count(); ++f)
+        if (chosen[mesh.face_element[f]]) faces.push_back({&mesh.face_cell(f), f, -1});
+    const int sides = mesh.most_sides();
+    for (const int side : cut_sides(mesh, chosen))
+        faces.push_back({&mesh.cell(side / sides).face_type(side % sides), -1, side});
+    std::stable_sort(faces.begin(), faces.end(), [](const Face& f, const Face& g) { return f.cell < g.cell; });
+    const SideNodes side_nodes(mesh.dim, mesh.degree);
+    part.on_cut.assign(part.nodes(), 0);
+    std::vector<const CellType*> types;
+    for (const auto& [cell, f, side] : faces) {
+        const int e = f < 0 ? side / sides : mesh.face_element[f];
+        types.push_back(cell);
+        part.face_of.push_back(f);
+        part.face_element.push_back(element[e]);
+        part.face_boundary.push_back(f < 0 ? part.cut() : mesh.face_boundary[f]);
+        part.file.face_id.push_back(f < 0 ? 0 : mesh.file.face_id[f]);
+        for (int k = 0; k < cell->node_count(mesh.degree); ++k) {
+            const int i = number[f < 0 ? mesh.element(e)[side_nodes.of(mesh.cell(e), side % sides)[k]]
+                                       : mesh.face(f)[k]];
+            part.faces.push_back(i);
+            if (f < 0) part.on_cut[i] = 1;
+        }
+    }
+    part.groups_of_faces = groups_of(types, mesh.degree);
+}
+
 }  // namespace
 
-Mesh part_of(const Mesh& mesh, const std::vector<char>& chosen, const std::string& cut) {
-    Mesh part;
+std::vector<double> MeshPart::restricted(const std::vector<double>& field) const {
+    return at_nodes(node_of, field, dim);
+}
+
+MeshPart part_of(const Mesh& mesh, const std::vector<char>& chosen, const std::string& cut) {
+    MeshPart part;
     part.dim = mesh.dim;
     part.degree = mesh.degree;
     part.boundaries = mesh.boundaries;
@@ -64,44 +85,33 @@ Mesh part_of(const Mesh& mesh, const std::vector<char>& chosen, const std::strin
     part.inner = mesh.inner;
     part.contact = mesh.contact;
     part.rounding = mesh.rounding;
-    part.cut = add_boundary(part, {cut});
+    add_boundary(part, {cut});
     if (!part.inner.empty()) part.inner.push_back(0);
     if (!part.contact.empty()) part.contact.push_back(0);
-    part.file.groups = mesh.file.groups;
-    part.file.format = mesh.file.format;
-    part.file.zones = mesh.file.zones;
 
-    std::vector<int> number, element(mesh.element_count(), -1);  // of nodes and elements in the part
-    add_elements(mesh, chosen, part, number);
-    for (int e = 0, next = 0; e < mesh.element_count(); ++e)
-        if (chosen[e]) element[e] = next++;
-
-    std::vector<const CellType*> types;  // of the faces
-    const auto add_face = [&](const CellType& cell, const int* face, int of_element, int boundary, long long id,
-                              int physical, int entity) {
-        types.push_back(&cell);
-        for (int k = 0; k < cell.node_count(mesh.degree); ++k) part.faces.push_back(number[face[k]]);
-        part.face_element.push_back(of_element);
-        part.face_boundary.push_back(boundary);
-        part.file.face_id.push_back(id);
-        part.file.face_physical.push_back(physical);
-        part.file.face_entity.push_back(entity);
-    };
-    for (int f = 0; f < mesh.face_count(); ++f) {
-        const int e = mesh.face_element[f];
+    std::vector<int> number(mesh.nodes(), -1), element(mesh.element_count(), -1);
+    std::vector<const CellType*> types;
+    for (int e = 0; e < mesh.element_count(); ++e) {
         if (!chosen[e]) continue;
-        add_face(mesh.face_cell(f), mesh.face(f), element[e], mesh.face_boundary[f], mesh.file.face_id[f],
-                 mesh.file.face_physical[f], mesh.file.face_entity[f]);
+        element[e] = static_cast<int>(part.element_of.size());
+        part.element_of.push_back(e);
+        types.push_back(&mesh.cell(e));
+        for (int k = 0; k < mesh.element_nodes(e); ++k) {
+            const int i = mesh.element(e)[k];
+            if (number[i] < 0) {
+                number[i] = static_cast<int>(part.node_of.size());
+                part.node_of.push_back(i);
+            }
+            part.elements.push_back(number[i]);
+        }
     }
-    const SideNodes side_nodes(mesh.dim, mesh.degree);
-    std::vector<int> face;
-    for (const int side : cut_sides(mesh, chosen)) {
-        const int e = side / mesh.most_sides(), k = side % mesh.most_sides();
-        face.clear();
-        for (const int i : side_nodes.of(mesh.cell(e), k)) face.push_back(mesh.element(e)[i]);
-        add_face(mesh.cell(e).face_type(k), face.data(), element[e], part.cut, 0, 0, 0);
-    }
-    group_faces(part, types);
+    part.groups = groups_of(types, mesh.degree);
+    part.x = part.restricted(mesh.x);
+    part.file.node_id = picked(mesh.file.node_id, part.node_of);
+    part.file.element_id = picked(mesh.file.element_id, part.element_of);
+    part.file.element_entity = picked(mesh.file.element_entity, part.element_of);
+    part.file.zones = mesh.file.zones;
+    add_faces(mesh, chosen, number, element, part);
     return part;
 }
 

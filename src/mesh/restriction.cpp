@@ -6,22 +6,15 @@
 #include "mesh/mesh.hpp"
 
 namespace almesh {
-namespace {
 
-std::vector<double> of_first(int count, const std::vector<int>& node, const std::vector<double>& x, int dim) {
-    std::vector<double> y;
-    for (int i = 0; i < count; ++i) y.insert(y.end(), point(x, node[i], dim), point(x, node[i], dim) + dim);
-    return y;
-}
-
-}  // namespace
-
-std::vector<double> Restriction::all(const std::vector<double>& x, int dim) const {
-    return of_first(static_cast<int>(node.size()), node, x, dim);
+std::vector<double> at_nodes(std::span<const int> nodes, const std::vector<double>& field, int dim) {
+    std::vector<double> rows;
+    for (const int i : nodes) rows.insert(rows.end(), point(field, i, dim), point(field, i, dim) + dim);
+    return rows;
 }
 
 std::vector<double> Restriction::read(const std::vector<double>& x, int dim) const {
-    return of_first(moving, node, x, dim);
+    return at_nodes(std::span(node).first(moving), x, dim);
 }
 
 void Restriction::write(const std::vector<double>& y, int dim, std::vector<double>& x) const {

@@ -1,6 +1,7 @@
-// Some nodes of a mesh move, all others stay where they are: the elements with a node that moves, and the nodes of these
-// with numbers of their own. An energy and a constraint that are restricted to them have these numbers.
+// Some nodes of a mesh move, all others stay where they are: the elements with a node that moves, and the nodes of
+// these with numbers of their own, which an energy and a constraint have that are restricted to them.
 #pragma once
+#include <span>
 #include <vector>
 
 namespace almesh {
@@ -13,11 +14,13 @@ struct Restriction {
     std::vector<int> element;   // here -> mesh, ascending
     std::vector<int> elements;  // the nodes of each element, numbers of here
 
-    // Positions of nodes, of these from and to those of the mesh (nodes x dim each): of all, and of those that move.
-    std::vector<double> all(const std::vector<double>& x, int dim) const;
+    // Positions of the nodes that move, from and to those of the mesh, nodes x dim each.
     std::vector<double> read(const std::vector<double>& x, int dim) const;
     void write(const std::vector<double>& y, int dim, std::vector<double>& x) const;
 };
+
+// The rows of `field` (nodes x dim) of these nodes.
+std::vector<double> at_nodes(std::span<const int> nodes, const std::vector<double>& field, int dim);
 
 // Elements of one type: count x m node numbers.
 struct CellNodes {

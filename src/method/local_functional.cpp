@@ -14,7 +14,7 @@ LocalFunctional::LocalFunctional(const AugmentedFunctional& E, const std::vector
       Functional(*energy_),
       E_(*energy_, *constraint_, lambda_, E.penalty),
       dim_(distortion.dim()),
-      at_(around_.all(x, dim_)),
+      at_(at_nodes(around_.node, x, dim_)),
       to_(at_),
       g_(at_.size()),
       H_(distortion.hessian_pattern()) {}

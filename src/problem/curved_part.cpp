@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <utility>
 
 #include "check/straightened.hpp"
 #include "constraint/sliding_boundary.hpp"
 #include "constraint/sliding_nodes.hpp"
-#include "mesh/part.hpp"
 #include "method/levels.hpp"
 #include "method/snap.hpp"
 
@@ -20,25 +19,10 @@ constexpr double first_penalty = 1e3, next_penalty = 1e5;  // in units of |1|^2
 // times as near with the next one.
 constexpr double near = 0.25, nearer = 0.1;
 
-std::vector<double> gathered(const std::vector<double>& field, const std::vector<int>& node, int dim) {
-    std::vector<double> of_part;
-    for (const int i : node) of_part.insert(of_part.end(), point(field, i, dim), point(field, i, dim) + dim);
-    return of_part;
-}
-
-// All boundaries fixed at these positions, but for nodes that are freed.
-BoundaryTarget fixed_at(Mesh mesh, const std::vector<double>& x, const std::vector<char>& freed) {
-    mesh.x = x;
-    BoundaryTarget target = make_target(mesh, std::vector(mesh.boundaries.size(), motion_of(NodeKind::fixed)));
-    if (!freed.empty()) free_nodes(mesh, freed, target);
-    return target;
-}
-
 // The smooth surfaces at the nodes of the file, wherever they have slid meanwhile.
 std::shared_ptr<SlidingSurfaces> surfaces_of_part(const SlidingSurfaces& whole, const CurvedPart& part) {
-    auto surfaces = std::make_shared<SlidingSurfaces>(whole, part.face, part.mesh, whole.frame());
-    const std::vector<double> in_file = whole.frame().to_file(part.file, part.mesh.dim);
-    smooth_freed(part.mesh, fixed_at(part.mesh, in_file, part.freed), *surfaces);
+    auto surfaces = std::make_shared<SlidingSurfaces>(whole, part, whole.frame());
+    smooth_freed(part, part.fixed_at(whole.frame().to_file(part.in_file, part.dim)), *surfaces);
     return surfaces;
 }
 
@@ -75,26 +59,6 @@ bool minimise(const Deck& deck, const Level& level, int first_steps, CurvedPartR
     return true;
 }
 
-// By their vertices: the part has them by type.
-std::vector<int> faces_of_whole(const Mesh& mesh, const std::vector<char>& chosen, const CurvedPart& part) {
-    const auto sorted = [](std::vector<int> vertices) {
-        std::sort(vertices.begin(), vertices.end());
-        return vertices;
-    };
-    std::map<std::vector<int>, int> known;
-    for (int f = 0; f < mesh.face_count(); ++f)
-        if (const auto of = mesh.face_vertices(f); chosen[mesh.face_element[f]])
-            known[sorted({of.begin(), of.end()})] = f;
-    std::vector<int> faces;
-    for (int f = 0; f < part.mesh.face_count(); ++f) {
-        std::vector<int> vertices;
-        for (const int i : part.mesh.face_vertices(f)) vertices.push_back(part.node[i]);
-        const bool is_cut = part.mesh.face_boundary[f] == part.mesh.cut;
-        faces.push_back(is_cut ? -1 : known.at(sorted(std::move(vertices))));
-    }
-    return faces;
-}
-
 }  // namespace
 
 double work_of(const Mesh& mesh, int e) { return std::pow(mesh.element_nodes(e), 2); }
@@ -125,97 +89,75 @@ std::vector<std::vector<int>> places_of(const Mesh& mesh, const std::vector<char
     return places;
 }
 
-CurvedPart curved_part(const Problem& whole, const std::vector<char>& chosen, const std::vector<double>& x,
-                       const std::vector<double>& curved) {
-    const Mesh& mesh = whole.mesh();
-    CurvedPart part;
-    part.mesh = part_of(mesh, chosen, "the rest of the mesh");
-    part.node.resize(part.mesh.nodes());
-    for (int e = 0; e < mesh.element_count(); ++e) {
-        if (!chosen[e]) continue;
-        const int* const node = part.mesh.element(static_cast<int>(part.element.size()));
-        for (int k = 0; k < mesh.element_nodes(e); ++k) part.node[node[k]] = mesh.element(e)[k];
-        part.element.push_back(e);
-    }
-    part.face = faces_of_whole(mesh, chosen, part);
-    part.on_cut.resize(part.mesh.nodes(), 0);
-    for_face_nodes(part.mesh, [&](int f, std::size_t k) {
-        if (part.mesh.face_boundary[f] == part.mesh.cut) part.on_cut[part.mesh.faces[k]] = 1;
+CurvedPart::CurvedPart(const Problem& whole, const std::vector<char>& chosen, const std::vector<double>& at,
+                       const std::vector<double>& to)
+    : MeshPart(part_of(whole.mesh(), chosen, "the rest of the mesh")) {
+    in_file = x;
+    x = restricted(whole.ideal());
+    start = restricted(at);
+    curved = restricted(to);
+    for (std::size_t k = 0; k < curved.size(); ++k)
+        if (on_cut[k / dim]) curved[k] = start[k];
+}
+
+Infeasible CurvedPart::find_infeasible(double bound) const {
+    return almesh::find_infeasible(*this, x, fixed_at(curved), bound);
+}
+
+BoundaryTarget CurvedPart::fixed_at(const std::vector<double>& positions) const {
+    BoundaryTarget target = make_target(*this, positions, std::vector(boundaries.size(), motion_of(NodeKind::fixed)));
+    if (!freed.empty()) almesh::free_nodes(*this, freed, target);
+    return target;
+}
+
+std::vector<char> CurvedPart::nodes_to_free(const Infeasible& infeasible, bool around) const {
+    if (around) return almesh::nodes_to_free(*this, fixed_at(curved), infeasible);
+    std::vector<char> chosen(element_count(), 0), slides(nodes(), 0);
+    for (const int e : elements_of(*this, infeasible)) chosen[e] = 1;
+    for_face_nodes(*this, [&](int f, std::size_t k) {
+        if (chosen[face_element[f]] && !on_cut[faces[k]]) slides[faces[k]] = 1;
     });
-    part.mesh.x = gathered(whole.ideal(), part.node, mesh.dim);
-    part.file = gathered(mesh.x, part.node, mesh.dim);
-    part.start = gathered(x, part.node, mesh.dim);
-    part.curved = gathered(curved, part.node, mesh.dim);
-    for (int i = 0; i < part.mesh.nodes(); ++i)
-        if (part.on_cut[i]) std::copy_n(point(part.start, i, mesh.dim), mesh.dim, point(part.curved, i, mesh.dim));
-    return part;
+    return slides;
 }
 
-Infeasible find_infeasible(const CurvedPart& part, double bound) {
-    return find_infeasible(part.mesh, part.mesh.x, fixed_at(part.mesh, part.curved, part.freed), bound);
-}
-
-std::vector<char> nodes_to_free(const CurvedPart& part, const Infeasible& infeasible, bool around) {
-    const Mesh& mesh = part.mesh;
-    if (around) return nodes_to_free(mesh, fixed_at(mesh, part.curved, {}), infeasible);
-    std::vector<char> chosen(mesh.element_count(), 0), freed(mesh.nodes(), 0);
-    for (const int e : elements_of(mesh, infeasible)) chosen[e] = 1;
-    for_face_nodes(mesh, [&](int f, std::size_t k) {
-        const int i = mesh.faces[k];
-        if (mesh.face_boundary[f] != mesh.cut && chosen[mesh.face_element[f]] && !part.on_cut[i]) freed[i] = 1;
-    });
-    return freed;
-}
-
-void free_nodes(const std::vector<char>& chosen, CurvedPart& part) {
+void CurvedPart::free_nodes(std::vector<char> chosen) {
+    for (int i = 0; i < nodes(); ++i) chosen[i] = chosen[i] && !on_cut[i];
     if (std::count(chosen.begin(), chosen.end(), 1) == 0) return;
-    part.freed = chosen;
-    for (std::size_t k = 0; k < part.curved.size(); ++k)
-        if (chosen[k / part.mesh.dim]) part.curved[k] = part.file[k];
+    freed = std::move(chosen);
+    for (std::size_t k = 0; k < curved.size(); ++k)
+        if (freed[k / dim]) curved[k] = in_file[k];
 }
 
-void free_nodes_in(const std::vector<char>& of_whole, bool vertices_too, CurvedPart& part) {
-    std::vector<char> chosen(part.mesh.nodes(), 0);
-    for (const int i : part.mesh.faces) chosen[i] = of_whole[part.node[i]] && !part.on_cut[i];
-    for (int f = 0; f < part.mesh.face_count() && !vertices_too; ++f)
-        for (const int i : part.mesh.face_vertices(f)) chosen[i] = 0;
-    free_nodes(chosen, part);
-}
-
-void flatten(CurvedPart& part, double bound) {
+void CurvedPart::flatten(double bound) {
     constexpr double useful = 0.05;  // scaled Jacobian of elements at fault, when they no longer are
-    std::vector<char> at_fault(part.mesh.element_count(), 0);
-    for (const int e : elements_of(part.mesh, find_infeasible(part, bound))) at_fault[e] = 1;
-    const Straightened flatter = straightened(part.mesh, part.mesh.x, part.curved, [&](const std::vector<double>& x) {
-        part.curved = x;
-        Infeasible infeasible = find_infeasible(part, std::max(bound, useful));
+    std::vector<char> at_fault(element_count(), 0);
+    for (const int e : elements_of(*this, find_infeasible(bound))) at_fault[e] = 1;
+    curved = straightened(*this, x, curved, [&](const std::vector<double>& at) {
+        curved = at;
+        Infeasible infeasible = find_infeasible(std::max(bound, useful));
         std::erase_if(infeasible.elements, [&](const InfeasibleElement& of) {
             return of.scaled_jacobian > bound && !at_fault[of.element];
         });
-        return elements_of(part.mesh, infeasible);
-    });
-    part.curved = flatter.x;
+        return elements_of(*this, infeasible);
+    }).x;
 }
 
 CurvedPartResult curve(const Deck& deck, const CurvedPart& part, const SlidingSurfaces* surfaces, int first_steps) {
     Problem problem;
-    problem.base = part.mesh;
-    problem.base.x = part.curved;
-    problem.motions.assign(part.mesh.boundaries.size(), motion_of(NodeKind::fixed));
+    problem.motions.assign(part.boundaries.size(), motion_of(NodeKind::fixed));
     problem.level = std::make_unique<Level>();
-    problem.level->mesh = problem.base;
-    problem.level->ideal = part.mesh.x;
-    problem.target = fixed_at(part.mesh, part.curved, part.freed);
+    problem.level->mesh = part;
+    problem.level->mesh.x = part.curved;
+    problem.level->ideal = part.x;
+    problem.target = part.fixed_at(part.curved);
     if (!part.freed.empty()) problem.sliding = surfaces_of_part(*surfaces, part);
     set_functional(deck, problem);
     const Level& level = *problem.level;
     CurvedPartResult result{part.start, {}, {}};
     if (!minimise(deck, level, first_steps, result)) return result;
     if (snap_to_targets(*level.energy, *level.constraint, result.x) > 0) return result;
-    result.certificate = certify(part.mesh, result.x);
-    Mesh mesh = part.mesh;
-    result.certificate.valid =
-        certify_curved(mesh, part.mesh.x, part.start, result.x, result.certificate).certified;
+    result.certificate = certify(part, result.x);
+    result.certificate.valid = certify_curved(part, part.x, part.start, result.x, result.certificate).certified;
     return result;
 }
 

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "check/certificate.hpp"
+#include "mesh/part.hpp"
 #include "problem/problem.hpp"
 #include "check/infeasible.hpp"
 
@@ -14,35 +15,33 @@ double work_of(const Mesh& mesh, int e);  // blocks of the element's Hessian
 // tetrahedra of degree 3.
 std::vector<std::vector<int>> places_of(const Mesh& mesh, const std::vector<char>& chosen, std::size_t at_once);
 
-struct CurvedPart {
-    Mesh mesh;  // in the run's frame; x: the straight-sided form
+struct CurvedPart : MeshPart {  // in the run's frame; x: the straight-sided form
     // Nodes x dim: as in the file, as they are, and where the boundary is to go.
-    std::vector<double> file, start, curved;
-    std::vector<int> node, element, face;  // of the part -> of the whole; -1 for faces at the cut
-    std::vector<char> on_cut;     // per node
-    std::vector<char> freed;      // per node: whether it slides along the whole's surfaces; empty: none
+    std::vector<double> in_file, start, curved;
+    std::vector<char> freed;  // per node: whether it slides along the whole's surfaces; empty: none
+
+    // chosen: per element of the whole, at x now. to: of the whole's boundary.
+    CurvedPart(const Problem& whole, const std::vector<char>& chosen, const std::vector<double>& at,
+               const std::vector<double>& to);
+
+    // All boundaries fixed at these positions, but for nodes that are freed.
+    BoundaryTarget fixed_at(const std::vector<double>& positions) const;
+
+    // What is infeasible with the positions `curved` of nodes that are not freed. bound: as of the mesh.
+    Infeasible find_infeasible(double bound) const;
+
+    // Per node: whether it is on a boundary face of infeasible elements, and not on the cut; or of the faces around them
+    // too, as nodes_to_free() of a mesh has it.
+    std::vector<char> nodes_to_free(const Infeasible& infeasible, bool around) const;
+
+    // Frees these nodes, but for those on the cut. Their target is where the file has them: elsewhere surfaces may
+    // leave them no way to go.
+    void free_nodes(std::vector<char> chosen);
+
+    // Moves `curved` towards the straight-sided form until it makes no element invalid by itself.
+    void flatten(double bound);
 };
 
-// chosen: per element of the whole, at x now. curved: of the whole's boundary.
-CurvedPart curved_part(const Problem& whole, const std::vector<char>& chosen, const std::vector<double>& x,
-                       const std::vector<double>& curved);
-
-// What is infeasible with the positions `curved` of nodes that are not freed. bound: as of the mesh.
-Infeasible find_infeasible(const CurvedPart& part, double bound);
-
-// Per node of the part: whether it is on a boundary face of infeasible elements, and not on the cut; or of the faces
-// around them too, as nodes_to_free() of a mesh has it.
-std::vector<char> nodes_to_free(const CurvedPart& part, const Infeasible& infeasible, bool around);
-
-// Frees these nodes of the part. Their target is where the file has them: elsewhere surfaces may leave them no way to
-// go.
-void free_nodes(const std::vector<char>& chosen, CurvedPart& part);
-
-// The same of boundary nodes that are not on the cut, chosen among those of the whole.
-void free_nodes_in(const std::vector<char>& of_whole, bool vertices_too, CurvedPart& part);
-
-// Moves `curved` towards the straight-sided form until it makes no element invalid by itself.
-void flatten(CurvedPart& part, double bound);
 
 struct CurvedPartResult {
     std::vector<double> x;  // nodes x dim of the part

@@ -12,7 +12,6 @@
 #include "check/straightened.hpp"
 #include "constraint/sliding_nodes.hpp"
 #include "mesh/kept_cells.hpp"
-#include "mesh/part.hpp"
 
 namespace almesh {
 namespace {
@@ -89,11 +88,10 @@ public:
     // The target is where the boundary is, and what was freed is free to slide.
     void set_target() {
         BoundaryTarget& target = problem_.target;
-        Mesh at = mesh_;
-        at.x = solution_.x;
-        for (int i = 0; i < mesh_.nodes(); ++i)
-            if (freed_[i]) std::copy_n(point(mesh_.x, i, mesh_.dim), mesh_.dim, point(at.x, i, mesh_.dim));
-        fix_boundary(problem_, at.x);
+        std::vector<double> at = solution_.x;
+        for (std::size_t k = 0; k < at.size(); ++k)
+            if (freed_[k / mesh_.dim]) at[k] = mesh_.x[k];
+        fix_boundary(problem_, at);
         if (count(freed_) == 0) return;
         free_nodes(mesh_, freed_, target);
         BoundaryTarget in_file = target;
@@ -184,32 +182,41 @@ private:
         }
         if (curved == solution_.x) return true;  // others around have done it
         if (attempt.boundary == Boundary::slides_around && slid_.contains(place)) return false;
-        CurvedPart part = curved_part(problem_, surroundings(mesh_, is_of_place, attempt.reach), solution_.x, curved);
+        CurvedPart part(problem_, surroundings(mesh_, is_of_place, attempt.reach), solution_.x, curved);
         return release(part, is_of_place, attempt.boundary) && curve(part, attempt, place);
+    }
+
+    // Frees nodes of boundary faces in planes.
+    void free_in_planes(CurvedPart& part, bool vertices_too) const {
+        std::vector<char> chosen(part.nodes(), 0);
+        for (const int i : part.faces) chosen[i] = is_in_planes_[part.node_of[i]];
+        for (int f = 0; f < part.face_count() && !vertices_too; ++f)
+            for (const int i : part.face_vertices(f)) chosen[i] = 0;
+        part.free_nodes(std::move(chosen));
     }
 
     // Gives the boundary of the part the freedom of the attempt. Whether that may help.
     bool release(CurvedPart& part, const std::vector<char>& is_of_place, Boundary boundary) {
         const double bound = deck_.min_scaled_jacobian;
-        if (boundary == Boundary::stays) return find_infeasible(part, bound).none();
+        if (boundary == Boundary::stays) return part.find_infeasible(bound).none();
         if (boundary == Boundary::flattens) {
             const CurvedPart held = part;
-            if (can_slide()) free_nodes_in(is_in_planes_, true, part);
-            if (find_infeasible(part, bound).none()) part = held;
-            if (find_infeasible(part, bound).none()) return false;
-            flatten(part, bound);
+            if (can_slide()) free_in_planes(part, true);
+            if (part.find_infeasible(bound).none()) part = held;
+            if (part.find_infeasible(bound).none()) return false;
+            part.flatten(bound);
             return true;
         }
         if (!can_slide()) return false;
         if (boundary == Boundary::slides_inside_planes || boundary == Boundary::slides_in_planes) {
-            free_nodes_in(is_in_planes_, boundary == Boundary::slides_in_planes, part);
-            return !part.freed.empty() && find_infeasible(part, bound).none();
+            free_in_planes(part, boundary == Boundary::slides_in_planes);
+            return !part.freed.empty() && part.find_infeasible(bound).none();
         }
-        Infeasible infeasible = find_infeasible(part, bound);
+        Infeasible infeasible = part.find_infeasible(bound);
         if (infeasible.none())
-            for (std::size_t e = 0; e < part.element.size(); ++e)
-                if (is_of_place[part.element[e]]) infeasible.elements.push_back({static_cast<int>(e), 0, true});
-        free_nodes(nodes_to_free(part, infeasible, boundary == Boundary::slides_around), part);
+            for (int e = 0; e < part.element_count(); ++e)
+                if (is_of_place[part.element_of[e]]) infeasible.elements.push_back({e, 0, true});
+        part.free_nodes(part.nodes_to_free(infeasible, boundary == Boundary::slides_around));
         return true;
     }
 
@@ -218,17 +225,17 @@ private:
         const Stopwatch watch;
         const CurvedPartResult found = almesh::curve(deck_, part, surfaces_.get(), attempt.first_steps);
         bool is_better = found.certificate.valid;
-        for (std::size_t e = 0; e < part.element.size() && is_better; ++e)
+        for (std::size_t e = 0; e < part.element_of.size() && is_better; ++e)
             is_better = found.certificate.lower_bound[e] >
-                        std::min(deck_.min_scaled_jacobian, 0.999 * bound_[part.element[e]]);
+                        std::min(deck_.min_scaled_jacobian, 0.999 * bound_[part.element_of[e]]);
         Stage stage;
-        stage.nodes = part.mesh.nodes();
+        stage.nodes = part.nodes();
         stage.status = is_better ? Status::converged : Status::stalled;
         stage.last = found.al.iterations.back();
         stage.last.seconds = watch.seconds();
         stage.newton_iterations = found.al.newton_iterations;
         const Vec<3> at = problem_.frame.to_file(element_centre(mesh_, mesh_.x, place[0]));
-        stage.part = concat(part.mesh.element_count(), " elements around ", position_text(at.data(), mesh_.dim), ": ",
+        stage.part = concat(part.element_count(), " elements around ", position_text(at.data(), mesh_.dim), ": ",
                             attempt.what);
         observe_(stage);
         int& steps = is_better ? solution_.al.newton_iterations : solution_.al.earlier_newton_iterations;
@@ -237,12 +244,12 @@ private:
             slid_.insert(place);
         if (!is_better) return false;
         standing_.gradient_norm = std::max(standing_.gradient_norm, stage.last.gradient_norm);
-        for (std::size_t e = 0; e < part.element.size(); ++e)
-            bound_[part.element[e]] = found.certificate.lower_bound[e];
-        for (int k = 0; k < part.mesh.nodes(); ++k) {
+        for (std::size_t e = 0; e < part.element_of.size(); ++e)
+            bound_[part.element_of[e]] = found.certificate.lower_bound[e];
+        for (int k = 0; k < part.nodes(); ++k) {
             const double* const to = point(found.x, k, mesh_.dim);
-            double* const x = point(solution_.x, part.node[k], mesh_.dim);
-            char& is_freed = freed_[part.node[k]];
+            double* const x = point(solution_.x, part.node_of[k], mesh_.dim);
+            char& is_freed = freed_[part.node_of[k]];
             is_freed = (!part.freed.empty() && part.freed[k]) || (is_freed && std::equal(to, to + mesh_.dim, x));
             std::copy_n(to, mesh_.dim, x);
         }
@@ -273,9 +280,9 @@ bool is_certified(const Problem& problem, const Solution& solution) {
 
 Injectivity certified_injective(const Problem& problem, const std::vector<double>& x, const Certificate& certificate) {
     if (!problem.curves_in_place) return certify_injective(problem.mesh(), x, certificate);
-    Mesh mesh = problem.mesh();
-    const Injectivity found = certify_curved(mesh, problem.ideal(), problem.mesh().x, x, certificate);
+    const Injectivity found = certify_curved(problem.mesh(), problem.ideal(), problem.mesh().x, x, certificate);
     if (found.certified || !certificate.valid) return found;
+    Mesh mesh = problem.mesh();
     mesh.x = problem.ideal();
     Injectivity straight = certify_injective(mesh, mesh.x, certify(mesh, mesh.x));
     if (straight.certified) return found;

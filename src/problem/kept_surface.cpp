@@ -117,9 +117,7 @@ void take_along_target(Problem& problem, const std::vector<double>& from, const 
 // The boundary stays where it is at x from here on.
 void fix_boundary(Problem& problem, const std::vector<double>& x) {
     problem.motions.assign(problem.motions.size(), motion_of(NodeKind::fixed));
-    Mesh at = problem.mesh();
-    at.x = x;
-    BoundaryTarget fixed = make_target(at, problem.motions);
+    BoundaryTarget fixed = make_target(problem.mesh(), x, problem.motions);
     fixed.written = std::move(problem.target.written);
     fixed.written_kind = std::move(problem.target.written_kind);
     problem.target = std::move(fixed);

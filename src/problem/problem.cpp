@@ -80,14 +80,15 @@ std::vector<double> between(const std::vector<double>& x, std::vector<double> X,
 }
 
 // The target of a mesh in the file's frame at a fraction of the motions, from where its ideal mesh has the boundary to
-// where they take that of the mesh; mesh: curved by the same fraction. placed: by files, at the end of the motion.
-// Throws InputError where boundaries that share nodes do not agree there.
-BoundaryTarget target_at(double fraction, const Mesh& mesh, const std::vector<double>& ideal,
-                         std::vector<Motion> motions, PlacedNodes placed, const SharedNodes& shared) {
+// where they take that of the mesh; x: its nodes, curved by the same fraction. placed: by files, at the end of the
+// motion. Throws InputError where boundaries that share nodes do not agree there.
+BoundaryTarget target_at(double fraction, const Mesh& mesh, const std::vector<double>& x,
+                         const std::vector<double>& ideal, std::vector<Motion> motions, PlacedNodes placed,
+                         const SharedNodes& shared) {
     for (Motion& motion : motions)
         if (fraction < 1) motion = at_fraction(motion, fraction);
     for (PlacedBoundary& boundary : placed) boundary.x = between(ideal, std::move(boundary.x), fraction);
-    return make_target(mesh, motions, placed, shared);
+    return make_target(mesh, x, motions, placed, shared);
 }
 
 // The target of the level, which is in the file's frame. placed: as below.
@@ -95,8 +96,9 @@ BoundaryTarget target_on(const Problem& problem, const Level& level, PlacedNodes
     for (PlacedBoundary& boundary : placed)
         for (std::vector<double>* const field : {&boundary.x, &boundary.left_out})
             if (!field->empty()) *field = on_level(problem.shape(), std::move(*field), level);
-    BoundaryTarget target = target_at(1, level.mesh, level.ideal, problem.motions, placed, problem.shared);
-    prescribe_shared_nodes(level.mesh, target);
+    const Mesh& mesh = level.mesh;
+    BoundaryTarget target = target_at(1, mesh, mesh.x, level.ideal, problem.motions, placed, problem.shared);
+    prescribe_shared_nodes(mesh, target);
     return target;
 }
 
@@ -147,7 +149,8 @@ std::shared_ptr<SlidingSurfaces> surfaces_at(double fraction, const Deck& deck, 
     PlacedNodes placed = problem.placed;
     for (PlacedBoundary& boundary : placed)  // nodes that a file leaves out slide along the boundary as the mesh has it
         if (!boundary.left_out.empty()) boundary = {{}, std::vector<double>(shape.x.size(), 1.0)};
-    const BoundaryTarget of_shape = target_at(fraction, shape, ideal, motions, std::move(placed), problem.shared);
+    const BoundaryTarget of_shape =
+        target_at(fraction, shape, shape.x, ideal, motions, std::move(placed), problem.shared);
     return std::make_shared<SlidingSurfaces>(shape, of_shape.node, sliding, deck.feature_angle, problem.frame, other);
 }
 
@@ -240,12 +243,12 @@ std::unique_ptr<Constraint> constraint_at(double fraction, const Deck& deck, con
                                           const Level& level, const BoundaryTarget& of_whole, TargetKind kind,
                                           const std::vector<Motion>& motions, const PlacedNodes& placed) {
     const Frame& frame = problem.frame;
-    Mesh in_file = level.mesh;
-    in_file.x = frame.to_file(between(level.ideal, level.mesh.x, fraction), level.mesh.dim);
+    const int dim = level.mesh.dim;
+    const std::vector<double> in_file = frame.to_file(between(level.ideal, level.mesh.x, fraction), dim);
     try {
-        BoundaryTarget target =
-            target_at(fraction, in_file, frame.to_file(level.ideal, level.mesh.dim), motions, placed, problem.shared);
-        prescribe_shared_nodes(in_file, target);
+        BoundaryTarget target = target_at(fraction, level.mesh, in_file, frame.to_file(level.ideal, dim), motions,
+                                          placed, problem.shared);
+        prescribe_shared_nodes(level.mesh, target);
         target.kind = of_whole.kind;
         std::shared_ptr<SlidingSurfaces> sliding;  // of its own: another mesh's is where the motion ends
         if (problem.sliding) sliding = surfaces_at(fraction, deck, problem, level.mesh, target, motions);

@@ -135,9 +135,8 @@ void write_stop(const Deck& deck, const Problem& problem, const Solution& soluti
     const std::vector<int> boundary = boundary_of_nodes(mesh, problem.target);
     const Restriction around = neighbourhood(mesh, solution.diagnosis);
     std::vector<const CellType*> types;
-    std::vector<double> x, node_id, of_node, at_node, to_target;
+    std::vector<double> node_id, of_node, at_node, to_target;
     for (const int i : around.node) {
-        x.insert(x.end(), point(positions, i, dim), point(positions, i, dim) + dim);
         node_id.push_back(static_cast<double>(mesh.file.node_id[i]));
         of_node.push_back(boundary[i]);
         at_node.push_back(i == solution.diagnosis.node);
@@ -160,7 +159,7 @@ void write_stop(const Deck& deck, const Problem& problem, const Solution& soluti
               {title(deck, "stop"),
                dim,
                mesh.degree,
-               std::move(x),
+               at_nodes(around.node, positions, dim),
                around.elements,
                dim,
                {{"to_target", dim, std::move(to_target)},

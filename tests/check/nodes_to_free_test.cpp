@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mesh/part.hpp"
+#include "problem/curved_part.hpp"
 #include "support/high_order.hpp"
 #include "support/meshes.hpp"
 #include "support/targets.hpp"
@@ -89,13 +89,16 @@ TEST_CASE("in a mesh cut out of another, nodes at the cut stay, also where they 
     const Curved square = with_folded_edge();
     std::vector<char> folded(square.mesh.element_count(), 0);
     folded[square.mesh.face_element[square.faults(square.target()).faces.faults[0].face]] = 1;
-    const Mesh part = part_of(square.mesh, surroundings(square.mesh, folded, 0), "cut");
-    const BoundaryTarget target = target_of(part, {});
-    const std::vector<char> freed = nodes_to_free(part, target, find_infeasible(part, straight_sided(part), target)),
-                            at_cut = nodes_of(part, {"cut"}), at_bottom = nodes_of(part, {"bottom"});
+    Problem problem;
+    problem.level = std::make_unique<Level>();
+    problem.level->mesh = square.mesh;
+    problem.level->ideal = straight_sided(square.mesh);
+    CurvedPart part(problem, surroundings(square.mesh, folded, 0), square.mesh.x, square.mesh.x);
+    part.free_nodes(part.nodes_to_free(part.find_infeasible(0), true));
+    const std::vector<char> at_cut = part.on_cut, at_bottom = nodes_of(part, {"bottom"});
     int ends = 0;
     for (int i = 0; i < part.nodes(); ++i) {
-        CHECK(bool(freed[i]) == (at_bottom[i] && !at_cut[i]));
+        CHECK(bool(part.freed[i]) == (at_bottom[i] && !at_cut[i]));
         ends += at_bottom[i] && at_cut[i];
     }
     CHECK(ends == 2);

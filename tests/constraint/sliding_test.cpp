@@ -165,13 +165,14 @@ TEST_CASE("a mesh that is cut out of another slides along the surfaces of the wh
             chosen[ring.face_element[f]] = 1;
             faces.push_back(f);
         }
-    const Mesh part = part_of(ring, chosen, "cut");
+    const MeshPart part = part_of(ring, chosen, "cut");
     const Frame frame = {.origin = {1, 0, 0}, .length = 2};
-    const SlidingSurfaces of_part(*whole, faces, part, frame);
+    const SlidingSurfaces of_part(*whole, part, frame);
     CHECK(of_part.knows(part.boundary_index("outer")));
     CHECK(!of_part.knows(part.boundary_index("inner")));
-    CHECK(!of_part.knows(part.cut));
+    CHECK(!of_part.knows(part.cut()));
     for (int f = 0; f < static_cast<int>(faces.size()); ++f) {
+        CHECK(part.face_of[f] == faces[f]);
         CHECK(of_part.part(part, f) == whole->part(ring, faces[f]));
         const Vec<3> x = {2.5, 3, 0};
         const Vec<3> projection = frame.to_file(of_part.closest(of_part.part(part, f), frame.to_run(x)).position);

@@ -127,7 +127,7 @@ TEST_CASE("a node of boundaries that disagree goes with the first of them, or to
         }
         for (const auto& [rule, shift] : {std::pair(SharedNodes::first, -0.25), std::pair(SharedNodes::mean, -0.125)}) {
             shared.rule = rule;
-            const BoundaryTarget target = make_target(mesh, motion, {}, shared);
+            const BoundaryTarget target = make_target(mesh, mesh.x, motion, {}, shared);
             for_points(mesh, target, "left", [&, by = shift](const double* x, const double* g) {
                 const bool at_corner_face = std::min(x[1], 1 - x[1]) < 0.5;
                 const double share = at_corner_face ? 1 - std::min(x[1], 1 - x[1]) / 0.5 : 0;

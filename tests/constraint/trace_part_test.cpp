@@ -62,7 +62,8 @@ struct Part {
         std::fill(g.begin() + coordinates(), g.end(), 0.0);
         return g;
     }
-    std::vector<double> hessian_times(const std::vector<double>& y, bool projected, const std::vector<double>& d) const {
+    std::vector<double> hessian_times(const std::vector<double>& y, bool projected,
+                                      const std::vector<double>& d) const {
         BlockCsr H = matrix_of_cells(static_cast<int>(around.node.size()), mesh.dim, around.elements,
                                      mesh.element_nodes());
         part->add_hessian(y, of_part, mu, projected, H);

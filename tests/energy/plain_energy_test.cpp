@@ -197,7 +197,8 @@ TEST_CASE("the parts of both assemblies are the same energy") {
                 part[k] = make_energy(mesh, ideal, {Objective::deviation, delta, 0.5, 0, assemblies[k]})
                               ->part(x, moves, around[k]);
             CHECK(part[0]->domain_volume() == doctest::Approx(part[1]->domain_volume()).epsilon(1e-13));
-            const std::vector<double> x0 = on_part(x, around[0].node, mesh.dim), x1 = on_part(x, around[1].node, mesh.dim);
+            const std::vector<double> x0 = on_part(x, around[0].node, mesh.dim),
+                                      x1 = on_part(x, around[1].node, mesh.dim);
             CHECK(part[0]->energy(x0) == doctest::Approx(part[1]->energy(x1)).epsilon(1e-12));
             const std::vector<double> g0 = gradient(*part[0], x0), g1 = gradient(*part[1], x1);
             std::vector<double> in_mesh[2];

@@ -123,12 +123,12 @@ TEST_CASE("a part of a mixed mesh is closed by faces of both types") {
     std::vector<char> chosen(mesh.element_count(), 0);
     for (int e = 0; e < mesh.element_count(); ++e)
         chosen[e] = &mesh.cell(e) == &prism() || &mesh.cell(e) == &hexahedron();
-    const Mesh part = part_of(mesh, chosen, "cut");
+    const MeshPart part = part_of(mesh, chosen, "cut");
     check_faces(part);
     CHECK(length(sum_of_normals(part)) < 1e-13);
     CHECK(part.face_groups().size() == 2);
     int cut = 0;
-    for (int f = 0; f < part.face_count(); ++f) cut += part.face_boundary[f] == part.cut;
+    for (int f = 0; f < part.face_count(); ++f) cut += part.face_boundary[f] == part.cut();
     CHECK(cut == 2 * 4 + 2 * 8);
 }
 

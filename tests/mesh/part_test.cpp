@@ -26,14 +26,17 @@ TEST_CASE("a part has its elements in their order, with the positions and ids of
         for (const int degree : {1, 3}) {
             const Mesh mesh = raise_degree(linear, degree);
             const std::vector<char> chosen = surroundings(mesh, first_elements(mesh, 1), 0);
-            const Mesh part = part_of(mesh, chosen, "cut");
+            const MeshPart part = part_of(mesh, chosen, "cut");
             REQUIRE(part.element_count() == std::count(chosen.begin(), chosen.end(), 1));
+            CHECK(part.restricted(mesh.x) == part.x);
             CHECK(part.degree == degree);
             for (int e = 0, r = 0; e < mesh.element_count(); ++e) {
                 if (!chosen[e]) continue;
+                CHECK(part.element_of[r] == e);
                 CHECK(part.file.element_id[r] == mesh.file.element_id[e]);
                 for (int k = 0; k < mesh.element_nodes(); ++k) {
                     const int here = mesh.element(e)[k], there = part.element(r)[k];
+                    CHECK(part.node_of[there] == here);
                     CHECK(part.file.node_id[there] == mesh.file.node_id[here]);
                     for (int a = 0; a < mesh.dim; ++a)
                         CHECK(part.x[offset(there, mesh.dim, a)] == mesh.x[offset(here, mesh.dim, a)]);

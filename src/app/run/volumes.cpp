@@ -11,21 +11,6 @@
 
 namespace almesh {
 
-namespace {
-
-// Of the whole's positions, x, those of the nodes of a part that has its chosen elements in the same order.
-std::vector<double> of_part(const Mesh& part, const Mesh& whole, const std::vector<int>& elements,
-                            const std::vector<double>& x) {
-    std::vector<double> result(part.x.size());
-    for (int e = 0; e < part.element_count(); ++e)
-        for (int i = 0; i < part.element_nodes(e); ++i)
-            std::copy_n(point(x, whole.element(elements[e])[i], whole.dim), whole.dim,
-                        point(result, part.element(e)[i], whole.dim));
-    return result;
-}
-
-}  // namespace
-
 void print_volumes(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution) {
     const Mesh& mesh = problem.mesh();
     const std::vector<GroupCells> volumes = volume_groups(mesh);
@@ -40,12 +25,12 @@ void print_volumes(std::FILE* out, const Deck& deck, const Problem& problem, con
             chosen[e] = 1;
             least = std::min(least, solution.certificate.lower_bound[e]);
         }
-        const Mesh part = part_of(mesh, chosen, "rest");
-        const std::vector<double> x = of_part(part, mesh, volume.cells, solution.x);
+        const MeshPart part = part_of(mesh, chosen, "rest");
+        const std::vector<double> x = part.restricted(solution.x);
         params.regular.clear();
         if (!problem.regular.empty())
             for (const int e : volume.cells) params.regular.push_back(problem.regular[e]);
-        const auto energy = make_energy(part, of_part(part, mesh, volume.cells, problem.ideal()), params);
+        const auto energy = make_energy(part, part.restricted(problem.ideal()), params);
         const DistortionStatistics found = energy->statistics(x);
         rows.push_back({volume.name, volume.cells.size(), scientific(energy->energy(x), 3),
                         fixed(found.relative_quality, 6), to_text(found.max_distortion, 4),
