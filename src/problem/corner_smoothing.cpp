@@ -25,39 +25,32 @@ constexpr double stabilising = 1e-3, least_stiffness = 1e-6;  // parts of a node
 // E_p of the corners of elements with a node that moves, as a function of the positions of these nodes.
 class CornerFunctional : public Functional {
 public:
-    CornerFunctional(const Mesh& mesh, const std::vector<char>& moves, double least, int p, DistortionEnergy& energy,
+    CornerFunctional(const Mesh& mesh, const std::vector<char>& moving, double least, int p, DistortionEnergy& energy,
                      const std::vector<double>& x)
-        : Functional(energy), least_(least), p_(p), dim_(mesh.dim), x_(x), number_(mesh.nodes(), -1) {
-        for (int i = 0; i < mesh.nodes(); ++i)
-            if (moves[i]) {
-                number_[i] = static_cast<int>(node_.size());
-                node_.push_back(i);
+        : Functional(energy), least_(least), p_(p), dim_(mesh.dim), around_(restriction_to(moving, mesh)),
+          at_(at_nodes(around_.node, x, dim_)) {
+        for (std::size_t e = 0; e < around_.element.size(); ++e)
+            for (const Corner& of : corners_of(mesh.cell(around_.element[e]))) {
+                Place corner{{}, of.regular};
+                for (int k = 0; k <= dim_; ++k) corner.node[k] = around_.elements[e * (dim_ + 1) + of.vertex[k]];
+                corners_.push_back(corner);
             }
-        for (const int e : restriction_to(moves, mesh).element) add_corners(mesh, e);
     }
 
-    std::vector<double> read(const std::vector<double>& x) const {
-        std::vector<double> y;
-        for (const int i : node_) y.insert(y.end(), point(x, i, dim_), point(x, i, dim_) + dim_);
-        return y;
-    }
-
-    void write(const std::vector<double>& y, std::vector<double>& x) const {
-        for (std::size_t i = 0; i < node_.size(); ++i)
-            std::copy_n(&y[i * dim_], dim_, point(x, node_[i], dim_));
-    }
+    std::vector<double> read(const std::vector<double>& x) const { return around_.read(x, dim_); }
+    void write(const std::vector<double>& y, std::vector<double>& x) const { around_.write(y, dim_, x); }
 
     BlockCsr hessian_pattern() const {
-        std::vector<int> cells;  // a node that does not move is that of its corner that does
+        std::vector<int> cells;  // in place of a node that does not move one that does: those are the first
         for (const Place& corner : corners_) {
-            const int any = *std::find_if(corner.number.begin(), corner.number.end(), [](int n) { return n >= 0; });
-            for (int k = 0; k <= dim_; ++k) cells.push_back(corner.number[k] >= 0 ? corner.number[k] : any);
+            const int moving = *std::min_element(corner.node.begin(), corner.node.begin() + dim_ + 1);
+            for (int k = 0; k <= dim_; ++k) cells.push_back(moves(corner.node[k]) ? corner.node[k] : moving);
         }
-        return matrix_of_cells(static_cast<int>(node_.size()), dim_, cells, dim_ + 1);
+        return matrix_of_cells(around_.moving, dim_, cells, dim_ + 1);
     }
 
     double energy(const std::vector<double>& y) const override {
-        write(y, x_);
+        std::copy(y.begin(), y.end(), at_.begin());
         double sum = 0;
         for (const Place& corner : corners_) {
             const double s = at(corner, nullptr);
@@ -68,27 +61,27 @@ public:
     }
 
     void gradient(const std::vector<double>& y, std::vector<double>& g) const override {
-        write(y, x_);
+        std::copy(y.begin(), y.end(), at_.begin());
         std::fill(g.begin(), g.end(), 0.0);
         Slopes slopes;
         for (const Place& corner : corners_) {
             const double weight = -terms(at(corner, &slopes), 1);
             for (int k = 0; k <= dim_; ++k)
-                for (int a = 0; a < dim_ && corner.number[k] >= 0; ++a)
-                    g[offset(corner.number[k], dim_, a)] += weight * slopes[k][a];
+                for (int a = 0; a < dim_ && moves(corner.node[k]); ++a)
+                    g[offset(corner.node[k], dim_, a)] += weight * slopes[k][a];
         }
     }
 
     void hessian(const std::vector<double>& y, HessianKind, BlockCsr& H, const Projection&) const override {
-        write(y, x_);
+        std::copy(y.begin(), y.end(), at_.begin());
         std::fill(H.value.begin(), H.value.end(), 0.0);
         Slopes slopes;
         for (const Place& corner : corners_) {
             const double weight = terms(at(corner, &slopes), 2);
             for (int k = 0; k <= dim_; ++k)
-                for (int l = 0; l <= dim_ && corner.number[k] >= 0; ++l) {
-                    if (corner.number[l] < 0) continue;
-                    double* const block = H.block(H.find(corner.number[k], corner.number[l]));
+                for (int l = 0; l <= dim_ && moves(corner.node[k]); ++l) {
+                    if (!moves(corner.node[l])) continue;
+                    double* const block = H.block(H.find(corner.node[k], corner.node[l]));
                     for (int a = 0; a < dim_; ++a)
                         for (int b = 0; b < dim_; ++b) block[a * dim_ + b] += weight * slopes[k][a] * slopes[l][b];
                 }
@@ -101,31 +94,19 @@ public:
     std::unique_ptr<LocalFunctional> part(const std::vector<double>&, std::vector<char>) const override { return {}; }
 
 private:
-    // A corner: nodes of the mesh, and their numbers among those that move, or -1; that of a regular cell.
     struct Place {
-        std::array<int, 4> node, number;
-        double regular;
+        std::array<int, 4> node;
+        double regular;  // that of a regular cell
     };
     using Slopes = std::array<Vec<3>, 4>;  // of log s, with respect to the nodes
 
     double least_;
     int p_, dim_;
-    mutable std::vector<double> x_;  // of the mesh
-    std::vector<int> number_, node_;
+    Restriction around_;
+    mutable std::vector<double> at_;  // of its nodes
     std::vector<Place> corners_;
 
-    void add_corners(const Mesh& mesh, int e) {
-        for (const Corner& corner : corners_of(mesh.cell(e))) {
-            Place place{{}, {-1, -1, -1, -1}, corner.regular};
-            bool moves = false;
-            for (int k = 0; k <= dim_; ++k) {
-                place.node[k] = mesh.element(e)[corner.vertex[k]];
-                place.number[k] = number_[place.node[k]];
-                moves = moves || place.number[k] >= 0;
-            }
-            if (moves) corners_.push_back(place);
-        }
-    }
+    bool moves(int node) const { return node < around_.moving; }
 
     // What a corner adds to E_p, or its derivative of this order with respect to -log s.
     double terms(double s, int order) const {
@@ -142,7 +123,7 @@ private:
         double lengths = 1;
         for (int k = 0; k < dim_; ++k) {
             for (int a = 0; a < dim_; ++a)
-                edge[k][a] = point(x_, corner.node[k + 1], dim_)[a] - point(x_, corner.node[0], dim_)[a];
+                edge[k][a] = point(at_, corner.node[k + 1], dim_)[a] - point(at_, corner.node[0], dim_)[a];
             lengths *= length(edge[k]);
         }
         const double det = dot(edge[0], cross(edge[1], edge[2]));
