@@ -112,12 +112,7 @@ BoundaryTarget CurvedPart::fixed_at(const std::vector<double>& positions) const 
 
 std::vector<char> CurvedPart::nodes_to_free(const Infeasible& infeasible, bool around) const {
     if (around) return almesh::nodes_to_free(*this, fixed_at(curved), infeasible);
-    std::vector<char> chosen(element_count(), 0), slides(nodes(), 0);
-    for (const int e : elements_of(*this, infeasible)) chosen[e] = 1;
-    for_face_nodes(*this, [&](int f, std::size_t k) {
-        if (chosen[face_element[f]] && !on_cut[faces[k]]) slides[faces[k]] = 1;
-    });
-    return slides;
+    return nodes_at(elements_of(*this, infeasible));
 }
 
 void CurvedPart::free_nodes(std::vector<char> chosen) {
@@ -126,6 +121,23 @@ void CurvedPart::free_nodes(std::vector<char> chosen) {
     freed = std::move(chosen);
     for (std::size_t k = 0; k < curved.size(); ++k)
         if (freed[k / dim]) curved[k] = in_file[k];
+}
+
+void CurvedPart::free_nodes_in(const std::vector<char>& of_whole, bool vertices_too) {
+    std::vector<char> chosen(nodes(), 0);
+    for (const int i : faces) chosen[i] = of_whole[node_of[i]];
+    for (int f = 0; f < face_count() && !vertices_too; ++f)
+        for (const int i : face_vertices(f)) chosen[i] = 0;
+    free_nodes(std::move(chosen));
+}
+
+std::vector<char> CurvedPart::nodes_at(const std::vector<int>& chosen) const {
+    std::vector<char> is_chosen(element_count(), 0), on_face(nodes(), 0);
+    for (const int e : chosen) is_chosen[e] = 1;
+    for_face_nodes(*this, [&](int f, std::size_t k) {
+        if (is_chosen[face_element[f]]) on_face[faces[k]] = 1;
+    });
+    return on_face;
 }
 
 void CurvedPart::flatten(double bound) {

@@ -186,22 +186,13 @@ private:
         return release(part, is_of_place, attempt.boundary) && curve(part, attempt, place);
     }
 
-    // Frees nodes of boundary faces in planes.
-    void free_in_planes(CurvedPart& part, bool vertices_too) const {
-        std::vector<char> chosen(part.nodes(), 0);
-        for (const int i : part.faces) chosen[i] = is_in_planes_[part.node_of[i]];
-        for (int f = 0; f < part.face_count() && !vertices_too; ++f)
-            for (const int i : part.face_vertices(f)) chosen[i] = 0;
-        part.free_nodes(std::move(chosen));
-    }
-
     // Gives the boundary of the part the freedom of the attempt. Whether that may help.
     bool release(CurvedPart& part, const std::vector<char>& is_of_place, Boundary boundary) {
         const double bound = deck_.min_scaled_jacobian;
         if (boundary == Boundary::stays) return part.find_infeasible(bound).none();
         if (boundary == Boundary::flattens) {
             const CurvedPart held = part;
-            if (can_slide()) free_in_planes(part, true);
+            if (can_slide()) part.free_nodes_in(is_in_planes_, true);
             if (part.find_infeasible(bound).none()) part = held;
             if (part.find_infeasible(bound).none()) return false;
             part.flatten(bound);
@@ -209,7 +200,7 @@ private:
         }
         if (!can_slide()) return false;
         if (boundary == Boundary::slides_inside_planes || boundary == Boundary::slides_in_planes) {
-            free_in_planes(part, boundary == Boundary::slides_in_planes);
+            part.free_nodes_in(is_in_planes_, boundary == Boundary::slides_in_planes);
             return !part.freed.empty() && part.find_infeasible(bound).none();
         }
         Infeasible infeasible = part.find_infeasible(bound);
