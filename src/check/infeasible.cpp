@@ -174,9 +174,6 @@ std::vector<char> nodes_to_free(const Mesh& mesh, const BoundaryTarget& target, 
         const int i = mesh.faces[k];
         if (chosen[f]) freed[i] = is_prescribed(target.kind[k]) && (mesh.degree > 1 || vertex[i]);
     });
-    for_face_nodes(mesh, [&](int f, std::size_t k) {
-        if (mesh.face_boundary[f] == mesh.cut) freed[mesh.faces[k]] = 0;
-    });
     return freed;
 }
 

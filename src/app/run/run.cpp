@@ -126,8 +126,7 @@ ExitCode run(const Deck& deck, std::FILE* out, const RunHooks& hooks) {
     const Stopwatch solving;
     int newton_steps = 0;  // of all solutions, parts and attempts, whatever became of them
     const Solve solve_problem = [&](const Deck& settings, const Problem& of) {
-        const bool is_kept = so_far.standing->attempt < 0 && &of == &problem &&
-                             settings.method.moving != MovingMethod::boundary_set;
+        const bool is_kept = so_far.standing->attempt < 0 && &of == &problem;
         MeshSoFar* const kept = is_kept ? &so_far : nullptr;
         Solution found = solve(settings, of, observer_of(deck, of, report, out, kept), kept, std::exchange(goes_on, false));
         found.reached = report.reached;
