@@ -65,8 +65,8 @@ Q         := $(if $(V),,@)
 said       = $(if $(V),,@printf '%-5s %s\n' '$(1)' '$(2)')
 
 .DEFAULT_GOAL := all
-.PHONY: all quick run-quick-tests oracle run help test test-page page run-tests run-oracle run-long-test \
-        run-other-tests doctest python numpy asan fuzz bench compare compare-cholmod compare-gmsh compare-improve \
+.PHONY: all quick run-quick-tests oracle run help test test-page page run-tests run-oracle long-tests \
+        doctest python numpy asan fuzz bench compare compare-cholmod compare-gmsh compare-improve \
         cad-models cad-examples cholmod paper gauntlet generated untangle improve slurm certificates defaults \
         derivatives drift coupling run-fast-tests run-fast-app-tests run-fast-other-tests matrix reproduce mutants \
         check-targets figures meshes lessons readmes check-lessons student with-solutions wrong-answers animation \
@@ -125,7 +125,7 @@ run: almesh ## move the circle of section 4.1 and print its table
 
 test: doctest python numpy ## build with warnings as errors and run all tests (installs doctest if it is missing)
 	tests/mutants/mutants.py --check
-	$(MAKE) run-tests run-oracle lessons $(BUILD)/almesh-bench
+	$(MAKE) run-fast-tests run-oracle lessons $(BUILD)/almesh-bench
 	@! find $(BUILD) -name '*.o.log' -size +0 | grep . || { echo 'the compiler warned: see these files'; exit 1; }
 	@tests/house.py
 
@@ -173,14 +173,10 @@ matrix: doctest python ##check build and test with all compilers and libraries t
 reproduce: almesh python ##check run every deck and compare with tests/reference: a table (QUICK=1: those of seconds; THREADS=1,2,3)
 	tests/reproduce.py $(if $(QUICK),--quick) $(if $(THREADS),--threads $(THREADS))
 
-# In two parts at a time: the first is one long test, and of the fast ones those of the whole program. UNDER: what runs
-# the program, where that is an emulator.
-LONG_TEST := every deck gives the same bits*
-run-tests: run-long-test run-other-tests
-run-long-test: $(BUILD)/almesh-tests
-	$(UNDER) $(BUILD)/almesh-tests -tc='$(LONG_TEST)'
-run-other-tests: $(BUILD)/almesh-tests
-	$(UNDER) $(BUILD)/almesh-tests -tce='$(LONG_TEST)'
+# The fast ones in two parts at a time. UNDER: what runs the program, where that is an emulator.
+run-tests: run-fast-tests long-tests
+long-tests: $(BUILD)/almesh-tests ##check the tests of the large decks: same bits for any number of threads, few steps, few iterations
+	$(UNDER) $(BUILD)/almesh-tests -tc='$(SLOW_TESTS)'
 run-oracle: $(BUILD)/almesh
 	tests/oracle/self_test.py
 	tests/oracle/run.py --program $(BUILD)/almesh --quick

@@ -1,5 +1,5 @@
 // Every deck gives the same mesh and the same history, to the last bit, with any number of threads. From the
-// repository's top folder, where `make test` runs.
+// repository's top folder, where `make long-tests` runs; with other numbers: make reproduce THREADS=1,2,8.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -50,7 +50,7 @@ std::vector<std::string> all_decks() {
 
 }  // namespace
 
-TEST_CASE("every deck gives the same bits with 1, 2, 3 and 8 threads") {
+TEST_CASE("every deck gives the same bits with 1 and 3 threads") {
     if (!std::filesystem::is_directory("inputs")) {
         MESSAGE("no folder inputs here: run the tests from the repository's top folder");
         return;
@@ -64,10 +64,7 @@ TEST_CASE("every deck gives the same bits with 1, 2, 3 and 8 threads") {
         const Result expected = run(deck, 1);
         CHECK(expected.mesh.size() > 1000);
         CHECK(expected.history.size() >= 3);  // heading, initial mesh, at least one step
-        for (int threads : {2, 3, 8}) {
-            CAPTURE(threads);
-            CHECK((run(deck, threads) == expected));
-        }
+        CHECK((run(deck, 3) == expected));
     }
     set_threads(threads_before);
 }
