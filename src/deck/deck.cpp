@@ -308,21 +308,7 @@ const DeckBoundary* motion_for(const Deck& deck, const std::string& boundary) {
     return nullptr;
 }
 
-DistortionParams distortion_of(const Deck& deck) {
-    DistortionParams params = deck.distortion;
-    const bool minimax = params.objective == Objective::minimax;
-    const double usual = minimax ? 0 : deck.method.algorithm == Algorithm::adaptive ? 0.5 : 1;
-    params.weight_exponent = deck.weight_exponent.value_or(usual);
-    if (!minimax) params.power.p = deck.power.value_or(params.power.p);
-    return params;
-}
-
 // The schedules of the paper do not follow the motion unless they are told to.
-Continuation continuation_of(const Deck& deck) {
-    const bool of_paper = deck.continuation == Continuation::automatic && deck.method.algorithm != Algorithm::adaptive;
-    return of_paper ? Continuation::never : deck.continuation;
-}
-
 std::string resolved(const Deck& deck) {
     Deck shown = deck;
     shown.mesh = relative_path(deck.output, deck.mesh);

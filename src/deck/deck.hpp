@@ -21,14 +21,10 @@
 #include <string_view>
 #include <vector>
 
-#include "problem/base_mesh.hpp"
-#include "report/summary.hpp"
 #include "constraint/expression.hpp"
-#include "constraint/target.hpp"
-#include "energy/options.hpp"
-#include "linalg/linear_solver.hpp"
-#include "method/forcing.hpp"
-#include "method/schedule.hpp"
+#include "constraint/motion.hpp"
+#include "problem/options.hpp"
+#include "report/summary.hpp"
 
 namespace almesh {
 
@@ -56,42 +52,18 @@ struct Sweep {
     std::string where;                // "circle.deck:12" or "command line"
 };
 
-enum class Start { automatic, identity, coarse, file };
-enum class LocalRepair { automatic, no, yes };
-enum class SurfaceKind { automatic, keep, slide, straighten };
-enum class Split { never, automatic, around };
 enum class Velocity { no, nodes, faces };
 enum class VtkOutput { ascii, binary, none };
 // As written in the deck; those of one version of MSH stand from msh22 on.
 enum class FinalFormat { input, msh, su2, both, msh22, msh22_binary, msh40, msh40_binary, msh41, msh41_binary };
 
-struct Deck {
-    // The keys with their defaults; parameters of the method stand in its own structs. An empty optional is `auto`.
+struct Deck : ProblemOptions {
+    // The other keys with their defaults.
     std::string mesh;    // path as seen from the current folder
     std::string output;  // folder, from the current one; outputs/<name> where the deck says nothing
     std::string title;
-    int degree = 0;
-    int refine = 0;
-    TargetKind target = TargetKind::nodal;
-    SharedNodes::Rule shared_nodes = SharedNodes::refuse;
-    DistortionParams distortion;  // but for weight_exponent and power:
-    std::optional<double> weight_exponent;
-    std::optional<int> power;
-    AugmentedLagrangianParams method;
-    IdealKind ideal = IdealKind::automatic;
     std::string ideal_size, ideal_file;  // formula of x, y, z; path as seen from the current folder
-    Start start = Start::automatic;
     std::string start_file;  // path as seen from the current folder
-    Continuation continuation = Continuation::automatic;
-    LocalRepair local_repair = LocalRepair::automatic;
-    double min_scaled_jacobian = 0.02;
-    double feature_angle = 30;  // degrees
-    double surface_tolerance = 1e-3;  // of the local edge, of a mesh that is improved
-    SurfaceKind surface = SurfaceKind::automatic;
-    Split split = Split::never;
-    std::optional<double> length_scale;
-    LinearSolverParams linear;
-    Forcing forcing = Forcing::automatic;
     int iterates = 0;
     double max_seconds = 0;
     int resume = 0;
@@ -128,10 +100,6 @@ Sweep parse_sweep(std::string_view text);
 
 // The motion of a boundary of the mesh: its own, or that of `rest` or `all`; null where there is none.
 const DeckBoundary* motion_for(const Deck& deck, const std::string& boundary);
-
-// The deck's settings, with those that are `auto` made definite.
-DistortionParams distortion_of(const Deck& deck);  // but for curved_ideal
-Continuation continuation_of(const Deck& deck);  // automatic only with algorithm = adaptive
 
 // Every key with its value, commented, as text of a deck to stand in the output folder. Read from the same current
 // folder it gives the same Deck but for path, folder, name and lines. The mesh is given by its path relative to the

@@ -7,21 +7,9 @@
 #include "check/infeasible.hpp"
 #include "mesh/mesh.hpp"
 #include "mesh/raw_mesh.hpp"
+#include "problem/options.hpp"
 
 namespace almesh {
-
-enum class IdealKind {
-    automatic,  // straight, but given where the straight-sided form is not valid and the mesh of the file is certified
-    straight,   // the straight-sided form of the mesh, as in the paper
-    given,      // the mesh as it is in the file, with its curved elements
-    // The mesh of the file may have inverted elements (improve.hpp), and the ideal elements are
-    regular,    // regular cells of the size of the elements around,
-    size,       // regular cells with edges of a length that a formula gives,
-    mesh        // or those of another mesh with the same elements
-};
-
-// Whether the mesh is to be made better: ideal and first mesh are not the same.
-inline bool is_improved(IdealKind ideal) { return ideal >= IdealKind::regular; }
 
 struct BaseMesh {
     Mesh mesh;

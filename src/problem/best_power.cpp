@@ -13,17 +13,17 @@ constexpr int lower_power = 8;
 }  // namespace
 
 Solve best_of_powers(const Solve& solve, std::FILE* out) {
-    return [solve, out](const Deck& deck, const Problem& problem) {
-        if (deck.distortion.objective != Objective::minimax || deck.power) return solve(deck, problem);
+    return [solve, out](const ProblemOptions& options, const Problem& problem) {
+        if (options.distortion.objective != Objective::minimax || options.power) return solve(options, problem);
         const auto least = [&](const Solution& solution) {
             const double certified = certify(problem.mesh(), solution.x).min_scaled_jacobian;
             return std::min(certified, least_corner_jacobian(problem.mesh(), solution.x));
         };
-        Deck with_lower = deck;
+        ProblemOptions with_lower = options;
         with_lower.power = lower_power;
         Solution lower = solve(with_lower, problem);
         if (lower.al.status == Status::interrupted) return lower;
-        Solution full = solve(deck, problem);
+        Solution full = solve(options, problem);
         if (lower.al.status != Status::converged || full.al.status == Status::interrupted) return full;
         const double of_lower = least(lower), of_full = least(full);
         std::fprintf(out, "least scaled Jacobian: %s with power = %d, %s with all powers\n",

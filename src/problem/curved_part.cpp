@@ -28,15 +28,15 @@ std::shared_ptr<SlidingSurfaces> surfaces_of_part(const SlidingSurfaces& whole, 
 
 // From the start in result.x: with penalties that grow while the boundary comes near enough to its target. Whether it
 // does.
-bool minimise(const Deck& deck, const Level& level, int first_steps, CurvedPartResult& result) {
-    Newton newton(level.energy->hessian_pattern(), deck.linear, {.forcing = deck.forcing});
+bool minimise(const ProblemOptions& options, const Level& level, int first_steps, CurvedPartResult& result) {
+    Newton newton(level.energy->hessian_pattern(), options.linear, {.forcing = options.forcing});
     AlStart start = AlStart::from_near(*level.constraint);
     AlResult& al = result.al;
     const auto distance = [&] { return level.constraint->projected_norm(result.x); };
     const double way = distance();
     const auto minimise_with = [&](double mu, int al_iterations, int newton_steps) {
         start.mu = mu;
-        AugmentedLagrangianParams limits = deck.method;
+        AugmentedLagrangianParams limits = options.method;
         limits.max_iterations = std::min(limits.max_iterations, al_iterations);
         limits.max_newton_iterations = std::min(limits.max_newton_iterations, newton_steps);
         const int steps = al.newton_iterations;
@@ -154,7 +154,8 @@ void CurvedPart::flatten(double bound) {
     }).x;
 }
 
-CurvedPartResult curve(const Deck& deck, const CurvedPart& part, const SlidingSurfaces* surfaces, int first_steps) {
+CurvedPartResult curve(const ProblemOptions& options, const CurvedPart& part, const SlidingSurfaces* surfaces,
+                       int first_steps) {
     Problem problem;
     problem.motions.assign(part.boundaries.size(), motion_of(NodeKind::fixed));
     problem.level = std::make_unique<Level>();
@@ -163,10 +164,10 @@ CurvedPartResult curve(const Deck& deck, const CurvedPart& part, const SlidingSu
     problem.level->ideal = part.x;
     problem.target = part.fixed_at(part.curved);
     if (!part.freed.empty()) problem.sliding = surfaces_of_part(*surfaces, part);
-    set_functional(deck, problem);
+    set_functional(options, problem);
     const Level& level = *problem.level;
     CurvedPartResult result{part.start, {}, {}};
-    if (!minimise(deck, level, first_steps, result)) return result;
+    if (!minimise(options, level, first_steps, result)) return result;
     if (snap_to_targets(*level.energy, *level.constraint, result.x) > 0) return result;
     result.certificate = certify(part, result.x);
     result.certificate.valid = certify_curved(part, part.x, part.start, result.x, result.certificate).certified;

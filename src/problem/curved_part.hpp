@@ -58,6 +58,7 @@ struct CurvedPartResult {
 
 // surfaces: of the whole, along which freed nodes slide; may be null where there are none. The part is given up where
 // its boundary is not near its target after the first Newton steps, with a small penalty.
-CurvedPartResult curve(const Deck& deck, const CurvedPart& part, const SlidingSurfaces* surfaces, int first_steps);
+CurvedPartResult curve(const ProblemOptions& options, const CurvedPart& part, const SlidingSurfaces* surfaces,
+                       int first_steps);
 
 }  // namespace almesh

@@ -44,10 +44,10 @@ int count(const std::vector<char>& some) { return static_cast<int>(std::count(so
 
 class Curving {
 public:
-    Curving(const Deck& deck, Problem& problem, const StageObserver& observe, MeshSoFar& so_far)
-        : deck_(deck), problem_(problem), mesh_(problem.mesh()), observe_(observe), so_far_(so_far) {
+    Curving(const ProblemOptions& options, Problem& problem, const StageObserver& observe, MeshSoFar& so_far)
+        : options_(options), problem_(problem), mesh_(problem.mesh()), observe_(observe), so_far_(so_far) {
         freed_.resize(mesh_.nodes(), 0);
-        if (is_minimax_) deck_.distortion.objective = Objective::squared;
+        if (is_minimax_) options_.distortion.objective = Objective::squared;
     }
 
     // From where the run stood, at x.
@@ -102,7 +102,7 @@ public:
 
     Solution solution() {
         Level& level = *problem_.level;
-        set_functional(deck_, problem_);
+        set_functional(options_, problem_);
         solution_.al.lambda.assign(level.constraint->multipliers(), 0.0);
         AlIteration row = measured(*level.energy, *level.constraint, solution_.x, solution_.al.distortion);
         row.gradient_norm = standing_.gradient_norm;
@@ -114,8 +114,8 @@ public:
 
 private:
     const Stopwatch watch_;
-    Deck deck_;
-    const bool is_minimax_ = deck_.distortion.objective == Objective::minimax;
+    ProblemOptions options_;
+    const bool is_minimax_ = options_.distortion.objective == Objective::minimax;
     Problem& problem_;
     const Mesh& mesh_;
     const StageObserver& observe_;
@@ -133,7 +133,7 @@ private:
     // Takes the mesh from these positions to a certified one.
     StraightenedMesh straightened(const std::vector<double>& x) {
         StraightenedMesh found =
-            straighten_invalid(mesh_, problem_.ideal(), x, deck_.min_scaled_jacobian);
+            straighten_invalid(mesh_, problem_.ideal(), x, options_.min_scaled_jacobian);
         for (std::size_t k = 0; k < x.size(); ++k)
             if (found.x[k] != x[k]) freed_[k / mesh_.dim] = 0;
         solution_.x = std::move(found.x);
@@ -142,10 +142,10 @@ private:
     }
 
     bool can_slide() {
-        if (deck_.surface == SurfaceKind::straighten || has_no_surfaces_) return false;
+        if (options_.surface == SurfaceKind::straighten || has_no_surfaces_) return false;
         if (surfaces_) return true;
         try {
-            surfaces_ = surfaces_in_place(deck_, problem_);
+            surfaces_ = surfaces_in_place(options_, problem_);
         } catch (const InputError&) {  // the file's boundary is such that they are not known
             has_no_surfaces_ = true;
             return false;
@@ -188,7 +188,7 @@ private:
 
     // Gives the boundary of the part the freedom of the attempt. Whether that may help.
     bool release(CurvedPart& part, const std::vector<char>& is_of_place, Boundary boundary) {
-        const double bound = deck_.min_scaled_jacobian;
+        const double bound = options_.min_scaled_jacobian;
         if (boundary == Boundary::stays) return part.find_infeasible(bound).none();
         if (boundary == Boundary::flattens) {
             const CurvedPart held = part;
@@ -214,11 +214,11 @@ private:
     // Whether the part is certified, and makes no element worse than it may be.
     bool curve(const CurvedPart& part, const Attempt& attempt, const std::vector<int>& place) {
         const Stopwatch watch;
-        const CurvedPartResult found = almesh::curve(deck_, part, surfaces_.get(), attempt.first_steps);
+        const CurvedPartResult found = almesh::curve(options_, part, surfaces_.get(), attempt.first_steps);
         bool is_better = found.certificate.valid;
         for (std::size_t e = 0; e < part.element_of.size() && is_better; ++e)
             is_better = found.certificate.lower_bound[e] >
-                        std::min(deck_.min_scaled_jacobian, 0.999 * bound_[part.element_of[e]]);
+                        std::min(options_.min_scaled_jacobian, 0.999 * bound_[part.element_of[e]]);
         Stage stage;
         stage.nodes = part.nodes();
         stage.status = is_better ? Status::converged : Status::stalled;
@@ -248,11 +248,11 @@ private:
     }
 };
 
-Deck impatient(Deck deck) {
-    deck.method.max_iterations = std::min(deck.method.max_iterations, most_al_iterations);
-    deck.method.max_newton_iterations = std::min(deck.method.max_newton_iterations, most_newton_steps);
-    if (deck.continuation == Continuation::automatic) deck.continuation = Continuation::never;
-    return deck;
+ProblemOptions impatient(ProblemOptions options) {
+    options.method.max_iterations = std::min(options.method.max_iterations, most_al_iterations);
+    options.method.max_newton_iterations = std::min(options.method.max_newton_iterations, most_newton_steps);
+    if (options.continuation == Continuation::automatic) options.continuation = Continuation::never;
+    return options;
 }
 
 bool is_small(const Mesh& mesh) {
@@ -281,26 +281,27 @@ Injectivity certified_injective(const Problem& problem, const std::vector<double
     return straight;
 }
 
-Solution curve_in_place(const Deck& deck, Problem& problem, const Solve& solve, const StageObserver& observe,
-                        MeshSoFar& so_far, std::FILE* out) {
-    const bool as_whole = deck.local_repair == LocalRepair::no ||
-                          (deck.local_repair == LocalRepair::automatic && is_small(problem.mesh()));
-    const Deck settings = deck.local_repair == LocalRepair::no ? deck : impatient(deck);
+Solution curve_in_place(const ProblemOptions& options, Problem& problem, const Solve& solve,
+                        const StageObserver& observe, MeshSoFar& so_far, std::FILE* out) {
+    const bool as_whole = options.local_repair == LocalRepair::no ||
+                          (options.local_repair == LocalRepair::automatic && is_small(problem.mesh()));
+    const ProblemOptions settings = options.local_repair == LocalRepair::no ? options : impatient(options);
     const bool keeps_boundary =
-        as_whole && find_infeasible(problem.mesh(), problem.ideal(), problem.target, deck.min_scaled_jacobian).none();
+        as_whole && find_infeasible(problem.mesh(), problem.ideal(), problem.target,
+                                    options.min_scaled_jacobian).none();
     const bool stood_in_parts = so_far.standing->attempt >= 0;
     if (keeps_boundary && !stood_in_parts) {
         Solution whole = solve(settings, problem);
         if (is_certified(problem, whole)) return whole;
     }
-    Curving curving(deck, problem, observe, so_far);
+    Curving curving(options, problem, observe, so_far);
     if (stood_in_parts) curving.go_on(problem.start);
     else curving.straighten(out);
     curving.curve_parts();
     curving.set_target();
     Solution solution = curving.solution();
     if (as_whole && !keeps_boundary && !curving.leaves_straight() && !interrupted()) {
-        Deck from_parts = settings;
+        ProblemOptions from_parts = settings;
         from_parts.start = Start::file;
         problem.start = solution.x;
         Solution whole = solve(from_parts, problem);

@@ -22,14 +22,14 @@ namespace almesh {
 //
 // A small mesh, whose nodes can all move in about a second, is solved as a whole: before, where the boundary alone
 // makes no element invalid, else after, from there and with the boundary that was found, unless step 5 was needed.
-// deck.local_repair: never or always only as parts.
+// local_repair: never or always only as parts.
 // What is certified last is the result, also where the run is interrupted. On return the problem's target is where the
 // boundary is, with the nodes that slid freed; straight_faces() are those that are not where the file has them.
 //
 // The mesh so far is that of the whole mesh before anything is straightened, then that of the parts: a part that was
 // being solved, and the whole mesh after the parts, are solved again by a run that goes on.
-Solution curve_in_place(const Deck& deck, Problem& problem, const Solve& solve, const StageObserver& observe,
-                        MeshSoFar& so_far, std::FILE* out);
+Solution curve_in_place(const ProblemOptions& options, Problem& problem, const Solve& solve,
+                        const StageObserver& observe, MeshSoFar& so_far, std::FILE* out);
 
 // As certify_injective() of check/injectivity.hpp: of a mesh that is curved in place with certify_curved().
 Injectivity certified_injective(const Problem& problem, const std::vector<double>& x, const Certificate& certificate);

@@ -21,10 +21,10 @@ namespace almesh {
 namespace {
 
 // Whether Algorithm 1 may start from another mesh than the ideal one.
-bool may_follow(const Deck& deck) {
-    return deck.method.moving == MovingMethod::augmented_lagrangian &&
-           deck.method.algorithm == Algorithm::adaptive && deck.distortion.objective != Objective::minimax &&
-           deck.distortion.delta == 0;
+bool may_follow(const ProblemOptions& options) {
+    return options.method.moving == MovingMethod::augmented_lagrangian &&
+           options.method.algorithm == Algorithm::adaptive && options.distortion.objective != Objective::minimax &&
+           options.distortion.delta == 0;
 }
 
 // Of a minimisation with the boundary fixed, as Algorithm 1 has it.
@@ -49,26 +49,27 @@ struct Distortion : AugmentedFunctional {
 
 }  // namespace
 
-Solution FrameSolver::solve(const Deck& deck, const FramesBefore& before, FrameRow& row,
+Solution FrameSolver::solve(const ProblemOptions& options, const FramesBefore& before, FrameRow& row,
                             const AlObserver& observer) {
-    if (before.before(row.t) && may_follow(deck)) {
-        prepare(deck);
+    if (before.before(row.t) && may_follow(options)) {
+        prepare(options);
         std::vector<double> x;
-        row.started_from = start(deck, row.t, before, x);
+        row.started_from = start(options, row.t, before, x);
         if (!row.started_from.empty()) {
             const HessianKind kind = row.started_from == "ideal" ? HessianKind::damping : HessianKind::full;
-            Solution solution = lead(deck, x, kind);
-            if (solution.al.status == Status::stalled) solution = solve_from(deck, x, observer);
+            Solution solution = lead(options, x, kind);
+            if (solution.al.status == Status::stalled) solution = solve_from(options, x, observer);
             const Status status = solution.al.status;
             if (status == Status::converged || status == Status::interrupted) return solution;
         }
     }
     row.started_from = "anew";
-    return solve_anew(deck, row, observer);
+    return solve_anew(options, row, observer);
 }
 
-bool FrameSolver::leads(const Deck& deck, const std::vector<Motion>& before, const std::vector<Motion>& now) const {
-    const bool as_written = deck.continuation == Continuation::always;
+bool FrameSolver::leads(const ProblemOptions& options, const std::vector<Motion>& before,
+                        const std::vector<Motion>& now) const {
+    const bool as_written = options.continuation == Continuation::always;
     for (std::size_t b = 0; b < before.size(); ++b)
         if (!leads_to(before[b], now[b], as_written)) return false;
     return true;
@@ -83,21 +84,22 @@ bool FrameSolver::is_valid_between(const std::vector<double>& from, const std::v
 }
 
 // A quadrature that was refined on the way would be another functional, and so would one that is about to be.
-void FrameSolver::prepare(const Deck& deck) {
+void FrameSolver::prepare(const ProblemOptions& options) {
     const Level& level = *problem_.level;
-    if (!level.energy || !level.energy->quadrature().refinements.empty()) set_functional(deck, problem_);
-    else set_constraint(deck, problem_);
+    if (!level.energy || !level.energy->quadrature().refinements.empty()) set_functional(options, problem_);
+    else set_constraint(options, problem_);
     level.energy->set_quadrature({});
 }
 
 // x: the nearest to the target of those that lead there. Returns its name, "" for none.
-std::string FrameSolver::start(const Deck& deck, double t, const FramesBefore& before, std::vector<double>& x) const {
+std::string FrameSolver::start(const ProblemOptions& options, double t, const FramesBefore& before,
+                               std::vector<double>& x) const {
     constexpr double about_equal = 1.1;  // so that rounding does not decide
     constexpr double most_turn = 90;     // as leads_to() has it
     const Level& level = *problem_.level;
     const auto distance = [&](const std::vector<double>& y) { return level.constraint->projected_norm(y); };
     std::string name;
-    if (const Moment& last = *before.before(t); leads(deck, last.motions, problem_.motions)) {
+    if (const Moment& last = *before.before(t); leads(options, last.motions, problem_.motions)) {
         name = "before";
         const Moment* const earlier = before.before(last.t);
         x = last.x;
@@ -118,25 +120,25 @@ std::string FrameSolver::start(const Deck& deck, double t, const FramesBefore& b
     return name;
 }
 
-Newton& FrameSolver::newton(const Deck& deck) {
+Newton& FrameSolver::newton(const ProblemOptions& options) {
     if (!newton_)
-        newton_ = std::make_unique<Newton>(problem_.level->energy->hessian_pattern(), deck.linear,
-                                           NewtonPolicies{.forcing = deck.forcing});
+        newton_ = std::make_unique<Newton>(problem_.level->energy->hessian_pattern(), options.linear,
+                                           NewtonPolicies{.forcing = options.forcing});
     newton_->forget();  // a frame does not depend on those before it
     return *newton_;
 }
 
 // Stalled where the first step is not valid, or there is none.
-Solution FrameSolver::lead(const Deck& deck, const std::vector<double>& x, HessianKind kind) {
+Solution FrameSolver::lead(const ProblemOptions& options, const std::vector<double>& x, HessianKind kind) {
     Level& level = *problem_.level;
     Solution solution;
     solution.al.status = Status::stalled;
-    if (!settles(deck)) return solution;
+    if (!settles(options)) return solution;
     solution.x = level.with_boundary(level.constraint->targets(x), x);
     std::vector<double> d(x.size());
     for (std::size_t i = 0; i < d.size(); ++i) d[i] = solution.x[i] - x[i];
     const std::vector<char> fixed = level.on_boundary();
-    if (!newton(deck).lead(Distortion(level, x, {}), kind, fixed, x, d)) return solution;
+    if (!newton(options).lead(Distortion(level, x, {}), kind, fixed, x, d)) return solution;
     for (std::size_t i = 0; i < x.size(); ++i)
         if (!fixed[i / level.mesh.dim]) solution.x[i] += d[i];
     if (!std::isfinite(level.energy->energy(solution.x)) || !is_valid_between(x, solution.x)) return solution;
@@ -144,26 +146,27 @@ Solution FrameSolver::lead(const Deck& deck, const std::vector<double>& x, Hessi
     solution.al.lambda.assign(level.constraint->multipliers(), 0.0);
     solution.al.iterations.emplace_back();
     solution.al.status = Status::converged;
-    settle(deck, solution);
+    settle(options, solution);
     return solution;
 }
 
 // Near the solution a large penalty costs no steps. What settles needs no more than to come near.
-Solution FrameSolver::solve_from(const Deck& deck, const std::vector<double>& x, const AlObserver& observer) {
+Solution FrameSolver::solve_from(const ProblemOptions& options, const std::vector<double>& x,
+                                 const AlObserver& observer) {
     Level& level = *problem_.level;
     Solution solution;
     solution.x = x;
     const AlStart start = AlStart::from_near(*level.constraint, largest_start_penalty);
-    AugmentedLagrangianParams params = deck.method;
-    if (settles(deck)) params.omega_star = std::min(1e3 * params.omega_star, std::max(1e-5, params.omega_star));
-    solution.al = minimise(*level.energy, *level.constraint, newton(deck), params, solution.x, observer, start);
+    AugmentedLagrangianParams params = options.method;
+    if (settles(options)) params.omega_star = std::min(1e3 * params.omega_star, std::max(1e-5, params.omega_star));
+    solution.al = minimise(*level.energy, *level.constraint, newton(options), params, solution.x, observer, start);
     if (solution.al.status == Status::converged) place_inside_volumes(problem_, solution.x);
-    snap(deck, problem_, solution);
-    if (settles(deck)) settle(deck, solution);
+    snap(options, problem_, solution);
+    if (settles(options)) settle(options, solution);
     return solution;
 }
 
-Solution FrameSolver::solve_anew(const Deck& deck, FrameRow& row, const AlObserver& outer) {
+Solution FrameSolver::solve_anew(const ProblemOptions& options, FrameRow& row, const AlObserver& outer) {
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> nowhere(std::fopen("/dev/null", "w"), std::fclose);
     IterationTable report(nowhere.get(), {problem_.mesh().dim, problem_.frame.length}, problem_.run_id);
     SolveObserver observer;
@@ -176,25 +179,25 @@ Solution FrameSolver::solve_anew(const Deck& deck, FrameRow& row, const AlObserv
         if (outer.newton_step) outer.newton_step(al_iteration, step);
     };
     observer.stage = [&report](const Stage& stage) { report.add(stage); };
-    Solution solution = almesh::solve(deck, problem_, observer);
+    Solution solution = almesh::solve(options, problem_, observer);
     row.history += report.rows();
     solution.reached = report.reached;
-    if (solution.al.status != Status::converged || !may_follow(deck)) return solution;
-    prepare(deck);
-    Solution nearer = solve_from(deck, solution.x, outer);  // as near to the minimum as the other frames
+    if (solution.al.status != Status::converged || !may_follow(options)) return solution;
+    prepare(options);
+    Solution nearer = solve_from(options, solution.x, outer);  // as near to the minimum as the other frames
     if (nearer.al.status != Status::converged) return solution;
     nearer.al.earlier_newton_iterations = solution.al.newton_iterations + solution.al.earlier_newton_iterations;
     nearer.coarse_newton_iterations = solution.coarse_newton_iterations;
     return nearer;
 }
 
-bool FrameSolver::settles(const Deck& deck) const {
-    return may_follow(deck) && problem_.target.prescribes_all();
+bool FrameSolver::settles(const ProblemOptions& options) const {
+    return may_follow(options) && problem_.target.prescribes_all();
 }
 
 // Algorithm 1 ends within its tolerances of the target, from wherever it came. With the boundary on the target to the
 // last bit, the nodes inside go to their minimum as nearly as it can be computed.
-void FrameSolver::settle(const Deck& deck, Solution& solution) {
+void FrameSolver::settle(const ProblemOptions& options, Solution& solution) {
     Level& level = *problem_.level;
     if (solution.al.status != Status::converged) return;
     solution.al.status = Status::stalled;
@@ -202,11 +205,11 @@ void FrameSolver::settle(const Deck& deck, Solution& solution) {
     constexpr double of_tolerance = 1e-7;
     const Distortion inside(level, solution.x, level.on_boundary());
     NewtonParams wanted;
-    wanted.omega = of_tolerance * deck.method.omega_star;
+    wanted.omega = of_tolerance * options.method.omega_star;
     wanted.first = HessianKind::full;
-    const NewtonResult settled = newton(deck).minimise(inside, wanted, solution.x);
+    const NewtonResult settled = newton(options).minimise(inside, wanted, solution.x);
     add_counts(settled, solution.al);
-    if (!is_solved(settled, deck.method)) return;
+    if (!is_solved(settled, options.method)) return;
     solution.al.status = Status::converged;
     place_inside_volumes(problem_, solution.x);
     measure(*level.energy, *level.constraint, solution.x, solution.al.distortion, solution.al.iterations.back());

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "deck/deck.hpp"
+#include "problem/options.hpp"
 #include "problem/frame_state.hpp"
 #include "report/frame_table.hpp"
 #include "problem/problem.hpp"
@@ -17,13 +17,14 @@ class FrameSolver {
 public:
     explicit FrameSolver(Problem& problem) : problem_(problem) {}
 
-    // The problem has the target of `deck`, which is of the time row.t. row.started_from: on return "beyond", the mesh
+    // The problem has the target of the time row.t. row.started_from: on return "beyond", the mesh
     // that the two before extrapolate to, "before", "ideal" or, where the run was one of its own, "anew", which has a
     // row.history.
-    Solution solve(const Deck& deck, const FramesBefore& before, FrameRow& row, const AlObserver& observer = {});
+    Solution solve(const ProblemOptions& options, const FramesBefore& before, FrameRow& row,
+                   const AlObserver& observer = {});
 
     // Whether the motions of one frame lead to those of another: leads_to().
-    bool leads(const Deck& deck, const std::vector<Motion>& before, const std::vector<Motion>& now) const;
+    bool leads(const ProblemOptions& options, const std::vector<Motion>& before, const std::vector<Motion>& now) const;
 
     // Whether every mesh (1 - s) from + s to, 0 <= s <= 1, is certified valid. Both are.
     bool is_valid_between(const std::vector<double>& from, const std::vector<double>& to) const;
@@ -32,14 +33,15 @@ private:
     Problem& problem_;
     std::unique_ptr<Newton> newton_;
 
-    Newton& newton(const Deck& deck);
-    void prepare(const Deck& deck);
-    std::string start(const Deck& deck, double t, const FramesBefore& before, std::vector<double>& x) const;
-    Solution lead(const Deck& deck, const std::vector<double>& x, HessianKind kind);
-    Solution solve_from(const Deck& deck, const std::vector<double>& x, const AlObserver& observer);
-    Solution solve_anew(const Deck& deck, FrameRow& row, const AlObserver& observer);
-    bool settles(const Deck& deck) const;
-    void settle(const Deck& deck, Solution& solution);
+    Newton& newton(const ProblemOptions& options);
+    void prepare(const ProblemOptions& options);
+    std::string start(const ProblemOptions& options, double t, const FramesBefore& before,
+                      std::vector<double>& x) const;
+    Solution lead(const ProblemOptions& options, const std::vector<double>& x, HessianKind kind);
+    Solution solve_from(const ProblemOptions& options, const std::vector<double>& x, const AlObserver& observer);
+    Solution solve_anew(const ProblemOptions& options, FrameRow& row, const AlObserver& observer);
+    bool settles(const ProblemOptions& options) const;
+    void settle(const ProblemOptions& options, Solution& solution);
 };
 
 }  // namespace almesh

@@ -78,11 +78,11 @@ std::vector<double> volumes_by_size(const Deck& deck, const Problem& problem) {
 }
 
 // Whether no element is asked to be other than good, and the boundary to be elsewhere than on its surface.
-bool may_stay(const Deck& deck, const Problem& problem) {
+bool may_stay(const ProblemOptions& options, const Problem& problem) {
     const auto stays = [](const Motion& motion) {
         return is_fixed(motion) || motion == motion_of(NodeKind::slides);
     };
-    return deck.ideal == IdealKind::regular && std::all_of(problem.motions.begin(), problem.motions.end(), stays);
+    return options.ideal == IdealKind::regular && std::all_of(problem.motions.begin(), problem.motions.end(), stays);
 }
 
 // But for elements that cannot be valid: with these no more than that the boundary is not worse than in the file.
@@ -255,33 +255,33 @@ void count_infeasible(const Deck& deck, Problem& problem, Solution& solution) {
 }
 
 // A boundary that is where it has to be, none of whose nodes slides, needs no multipliers: half the Newton steps do.
-Deck with_boundary_set(const Deck& deck, const Problem& problem) {
+ProblemOptions with_boundary_set(const ProblemOptions& options, const Problem& problem) {
     const auto is_set = [&](const Motion& motion) {
         return is_fixed(motion) || (motion == motion_of(NodeKind::slides) && !problem.sliding);
     };
-    Deck set = deck;
+    ProblemOptions set = options;
     if (std::all_of(problem.motions.begin(), problem.motions.end(), is_set) &&
-        deck.distortion.objective != Objective::minimax && deck.method.moving == MovingMethod::augmented_lagrangian)
+        options.distortion.objective != Objective::minimax &&
+        options.method.moving == MovingMethod::augmented_lagrangian)
         set.method.moving = MovingMethod::boundary_set;
     return set;
 }
 
-// Of simplices, where the boundary need not be elsewhere and the minimum of no other objective or power is asked for.
-void raise_worst_corners(const Deck& deck, const Problem& problem, Solution& solution, int& newton_steps,
+// Of simplices, where the boundary need not be elsewhere and no power is asked for.
+void raise_worst_corners(const ProblemOptions& options, const Problem& problem, Solution& solution, int& newton_steps,
                          std::FILE* out) {
     const Mesh& mesh = problem.mesh();
     const auto& groups = mesh.element_groups();
     const auto is_simplex = [](const ElementGroup& group) { return group.cell->is_simplex(); };
-    if (!may_stay(deck, problem) || mesh.degree > 1 || !std::all_of(groups.begin(), groups.end(), is_simplex) ||
-        solution.al.status != Status::converged || deck.power ||
-        (deck.given.count("objective") > 0 && deck.distortion.objective != Objective::minimax))
+    if (!may_stay(options, problem) || mesh.degree > 1 || !std::all_of(groups.begin(), groups.end(), is_simplex) ||
+        solution.al.status != Status::converged || options.power)
         return;
     const Level& level = *problem.level;
     std::vector<char> fixed(mesh.nodes(), 0);
     for (const int i : level.constraint->nodes()) fixed[i] = 1;
     for (int e = 0; e < mesh.element_count(); ++e)
         for (int k = 0; k < mesh.element_nodes(e) && !is_feasible(problem, e); ++k) fixed[mesh.element(e)[k]] = 1;
-    const CornerSmoothing found = smooth_corners(mesh, fixed, *level.energy, deck.linear, solution.x);
+    const CornerSmoothing found = smooth_corners(mesh, fixed, *level.energy, options.linear, solution.x);
     newton_steps += found.newton_steps;
     if (found.after == found.before) return;
     measure(*level.energy, *level.constraint, solution.x, solution.al.distortion, solution.al.iterations.back());
@@ -295,9 +295,10 @@ void raise_worst_corners(const Deck& deck, const Problem& problem, Solution& sol
 Solution improve(const Deck& deck, Problem& problem, const Solve& solve, int& newton_steps, std::FILE* out) {
     const auto improve_near = [&](const Deck& with, Problem& of) {
         const Solve near = near_surface(of, best_of_powers(solve, out), out);
-        const Solve with_corners = [&](const Deck& settings, const Problem& at) {
+        const Solve with_corners = [&](const ProblemOptions& settings, const Problem& at) {
             Solution found = near(with_boundary_set(settings, at), at);
-            raise_worst_corners(settings, at, found, newton_steps, out);
+            if (deck.given.count("objective") == 0 || settings.distortion.objective == Objective::minimax)
+                raise_worst_corners(settings, at, found, newton_steps, out);
             return found;
         };
         return improved(with, of, with_corners, newton_steps, out);

@@ -87,18 +87,18 @@ void print_volume_changes(std::FILE* out, const Mesh& mesh, const std::vector<do
 
 }  // namespace
 
-void hold_curved_faces(const Deck& deck, Problem& problem, const std::vector<double>& x) {
+void hold_curved_faces(const ProblemOptions& options, Problem& problem, const std::vector<double>& x) {
     if (!problem.sliding) return;
-    const double tolerance = deck.surface_tolerance;
+    const double tolerance = options.surface_tolerance;
     const std::vector<char> curved = curved_faces(problem.mesh(), problem.target, *problem.sliding, x, tolerance);
     note(problem, hold(problem, nodes_of_faces(problem.mesh(), curved)),
          concat(": if they slid, faces would leave the surface by more than surface_tolerance = ", tolerance,
                 " of an edge"));
 }
 
-void hold_surface(const Deck& deck, Problem& problem) {
+void hold_surface(const ProblemOptions& options, Problem& problem) {
     const Mesh& mesh = problem.mesh();
-    if (certify(mesh, mesh.x).valid) hold_curved_faces(deck, problem, mesh.x);
+    if (certify(mesh, mesh.x).valid) hold_curved_faces(options, problem, mesh.x);
     if (problem.sliding) note(problem, hold(problem, nodes_of_features(mesh)), ", being on named points or curves");
 }
 
@@ -127,14 +127,14 @@ void fix_boundary(Problem& problem, const std::vector<double>& x) {
 
 Solve near_surface(Problem& problem, const Solve& solve, std::FILE* out) {
     constexpr int attempts = 2;  // before all nodes stay
-    return [&problem, solve, out](const Deck& deck, const Problem&) {
+    return [&problem, solve, out](const ProblemOptions& options, const Problem&) {
         for (int attempt = 0;; ++attempt) {
-            Solution solution = solve(deck, problem);
+            Solution solution = solve(options, problem);
             if (solution.al.status != Status::converged) return solution;
             const std::vector<double> distance = distances_of(problem, solution.x);
             std::vector<char> off, boundary(problem.motions.size(), 0);
             for (std::size_t f = 0; f < distance.size(); ++f) {
-                off.push_back(distance[f] > deck.surface_tolerance);
+                off.push_back(distance[f] > options.surface_tolerance);
                 if (off[f]) boundary[problem.mesh().face_boundary[f]] = 1;
             }
             for (std::size_t f = 0; f < off.size() && attempt == attempts; ++f)
@@ -151,11 +151,12 @@ double surface_distance(const Problem& problem, const std::vector<double>& x) {
     return largest(distances_of(problem, x));
 }
 
-void print_surface(std::FILE* out, const Deck& deck, const Problem& problem, const std::vector<double>& x) {
+void print_surface(std::FILE* out, const ProblemOptions& options, const Problem& problem,
+                   const std::vector<double>& x) {
     const double distance = surface_distance(problem, x);
     print(out, "distance of the boundary from that of the file: ", to_text(distance, 2), " of an edge, ",
-          distance > deck.surface_tolerance ? "NOT " : "", "within surface_tolerance = ",
-          to_text(deck.surface_tolerance, 6), "\n");
+          distance > options.surface_tolerance ? "NOT " : "", "within surface_tolerance = ",
+          to_text(options.surface_tolerance, 6), "\n");
     print_volume_changes(out, problem.mesh(), x);
 }
 

@@ -16,8 +16,8 @@ namespace almesh {
 
 // Of a problem without functional. Notes how many nodes stay. Those of curved faces of a mesh with inverted elements do
 // when it has been untangled, at x.
-void hold_surface(const Deck& deck, Problem& problem);
-void hold_curved_faces(const Deck& deck, Problem& problem, const std::vector<double>& x);
+void hold_surface(const ProblemOptions& options, Problem& problem);
+void hold_curved_faces(const ProblemOptions& options, Problem& problem, const std::vector<double>& x);
 
 // The target of boundary nodes that have moved from `from` to x is where they are; and of all of them, which stay there.
 void take_along_target(Problem& problem, const std::vector<double>& from, const std::vector<double>& x);
@@ -30,6 +30,6 @@ Solve near_surface(Problem& problem, const Solve& solve, std::FILE* out);
 double surface_distance(const Problem& problem, const std::vector<double>& x);
 
 // How far the surface is from that of the file, and by how much the volumes of the regions have changed.
-void print_surface(std::FILE* out, const Deck& deck, const Problem& problem, const std::vector<double>& x);
+void print_surface(std::FILE* out, const ProblemOptions& options, const Problem& problem, const std::vector<double>& x);
 
 }  // namespace almesh

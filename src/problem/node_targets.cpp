@@ -11,6 +11,7 @@
 #include "base/text.hpp"
 #include "io/mesh_format.hpp"
 #include "io/text_scanner.hpp"
+#include "problem/base_mesh.hpp"
 #include "mesh/inner_boundary.hpp"
 #include "mesh/lagrange.hpp"
 #include "mesh/sides.hpp"

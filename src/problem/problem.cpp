@@ -137,7 +137,7 @@ std::vector<char> slides(const Mesh& mesh, const BoundaryTarget& target) {
 
 // Along what nodes slide at a fraction of the motions: the surface of the file's mesh as it is, but that of nodes which
 // are freed to slide curved by that fraction, as are those beside them. Null where no node slides. target: of the mesh.
-std::shared_ptr<SlidingSurfaces> surfaces_at(double fraction, const Deck& deck, const Problem& problem,
+std::shared_ptr<SlidingSurfaces> surfaces_at(double fraction, const ProblemOptions& options, const Problem& problem,
                                              const Mesh& mesh, const BoundaryTarget& target,
                                              const std::vector<Motion>& motions,
                                              const std::vector<OtherSurface>& other = {}) {
@@ -151,7 +151,8 @@ std::shared_ptr<SlidingSurfaces> surfaces_at(double fraction, const Deck& deck, 
         if (!boundary.left_out.empty()) boundary = {{}, std::vector<double>(shape.x.size(), 1.0)};
     const BoundaryTarget of_shape =
         target_at(fraction, shape, shape.x, ideal, motions, std::move(placed), problem.shared);
-    return std::make_shared<SlidingSurfaces>(shape, of_shape.node, sliding, deck.feature_angle, problem.frame, other);
+    return std::make_shared<SlidingSurfaces>(shape, of_shape.node, sliding, options.feature_angle, problem.frame,
+                                             other);
 }
 
 // From the file's frame to the run's, with smooth surfaces for the nodes that are freed to slide.
@@ -239,7 +240,7 @@ std::shared_ptr<SlidingSurfaces> make_surfaces(const Deck& deck, Problem& proble
 
 // For load increments: the constraint at a fraction of the motions of the level, which is in the run's frame. placed:
 // of its nodes, by files. Null where boundaries that share nodes do not agree there. of_whole: the target at the end.
-std::unique_ptr<Constraint> constraint_at(double fraction, const Deck& deck, const Problem& problem,
+std::unique_ptr<Constraint> constraint_at(double fraction, const ProblemOptions& options, const Problem& problem,
                                           const Level& level, const BoundaryTarget& of_whole, TargetKind kind,
                                           const std::vector<Motion>& motions, const PlacedNodes& placed) {
     const Frame& frame = problem.frame;
@@ -251,7 +252,7 @@ std::unique_ptr<Constraint> constraint_at(double fraction, const Deck& deck, con
         prescribe_shared_nodes(level.mesh, target);
         target.kind = of_whole.kind;
         std::shared_ptr<SlidingSurfaces> sliding;  // of its own: another mesh's is where the motion ends
-        if (problem.sliding) sliding = surfaces_at(fraction, deck, problem, level.mesh, target, motions);
+        if (problem.sliding) sliding = surfaces_at(fraction, options, problem, level.mesh, target, motions);
         finish(level.mesh, frame, sliding.get(), target);
         return make_constraint(level.mesh, level.ideal, target, kind, sliding);
     } catch (const InputError&) {  // the motions of two boundaries agree at their ends only
@@ -260,32 +261,32 @@ std::unique_ptr<Constraint> constraint_at(double fraction, const Deck& deck, con
 }
 
 // target: in the run's frame, placed: in the file's.
-void set_constraint(const Deck& deck, const Problem& problem, const BoundaryTarget& target, const PlacedNodes& placed,
-                    Level& level) {
+void set_constraint(const ProblemOptions& options, const Problem& problem, const BoundaryTarget& target,
+                    const PlacedNodes& placed, Level& level) {
     const bool is_coarser = level.mesh.degree < problem.mesh().degree;
-    const TargetKind kind = is_coarser ? TargetKind::nodal : deck.target;
+    const TargetKind kind = is_coarser ? TargetKind::nodal : options.target;
     level.constraint = make_constraint(level.mesh, level.ideal, target, kind, problem.sliding);
     std::vector<Motion> motions = problem.motions;
     level.turn = 0;
     for (Motion& motion : motions) {
-        if (deck.continuation != Continuation::always) motion = shortest(std::move(motion));
+        if (options.continuation != Continuation::always) motion = shortest(std::move(motion));
         level.turn = std::max(level.turn, turn(motion));
     }
-    level.constraint_at = [&problem, &level, deck, target, kind, motions, placed](double fraction) {
-        return constraint_at(fraction, deck, problem, level, target, kind, motions, placed);
+    level.constraint_at = [&problem, &level, options, target, kind, motions, placed](double fraction) {
+        return constraint_at(fraction, options, problem, level, target, kind, motions, placed);
     };
 }
 
-void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarget& target, const PlacedNodes& placed,
-                    Level& level) {
-    DistortionParams distortion = distortion_of(deck);
+void set_functional(const ProblemOptions& options, const Problem& problem, const BoundaryTarget& target,
+                    const PlacedNodes& placed, Level& level) {
+    DistortionParams distortion = distortion_of(options);
     distortion.curved_ideal = problem.is_own_ideal;
     distortion.regular = problem.regular;
     level.energy = make_energy(problem, level, distortion);
     level.energy->order_hessian([&](const BlockCsr& pattern) {
-        return sweep_order(pattern, level.mesh.dim, deck.linear, vertex_interpolation(level.mesh));
+        return sweep_order(pattern, level.mesh.dim, options.linear, vertex_interpolation(level.mesh));
     });
-    set_constraint(deck, problem, target, placed, level);
+    set_constraint(options, problem, target, placed, level);
 }
 
 }  // namespace
@@ -373,10 +374,10 @@ std::unique_ptr<DistortionEnergy> make_energy(const Problem& problem, const Leve
     return std::make_unique<MixedEnergy>(level.mesh, level.ideal, params, infeasible);
 }
 
-std::shared_ptr<SlidingSurfaces> surfaces_in_place(const Deck& deck, const Problem& problem) {
+std::shared_ptr<SlidingSurfaces> surfaces_in_place(const ProblemOptions& options, const Problem& problem) {
     BoundaryTarget target = problem.target;
     free_nodes(problem.mesh(), std::vector<char>(problem.mesh().nodes(), 1), target);
-    return surfaces_at(1, deck, problem, problem.mesh(), target, problem.motions);
+    return surfaces_at(1, options, problem, problem.mesh(), target, problem.motions);
 }
 
 std::vector<char> straight_faces(const Problem& problem) {
@@ -389,15 +390,16 @@ std::vector<char> straight_faces(const Problem& problem) {
     return straight;
 }
 
-void set_functional(const Deck& deck, const Problem& problem) {
-    set_functional(deck, problem, problem.target, problem.level_placed, *problem.level);
+void set_functional(const ProblemOptions& options, const Problem& problem) {
+    set_functional(options, problem, problem.target, problem.level_placed, *problem.level);
 }
 
-void set_constraint(const Deck& deck, const Problem& problem) {
-    set_constraint(deck, problem, problem.target, problem.level_placed, *problem.level);
+void set_constraint(const ProblemOptions& options, const Problem& problem) {
+    set_constraint(options, problem, problem.target, problem.level_placed, *problem.level);
 }
 
-std::unique_ptr<Level> coarser_level(const Deck& deck, const Problem& problem, const CoarserMesh& coarser) {
+std::unique_ptr<Level> coarser_level(const ProblemOptions& options, const Problem& problem,
+                                     const CoarserMesh& coarser) {
     BoundaryTarget target;
     PlacedNodes placed = problem.placed;
     std::unique_ptr<Level> level = discretise(problem, coarser.refinements, coarser.degree, placed, target);
@@ -415,7 +417,7 @@ std::unique_ptr<Level> coarser_level(const Deck& deck, const Problem& problem, c
     }
     finish(level->mesh, problem.frame, nullptr, target);
     take_to_run(problem.frame, *level);
-    set_functional(deck, problem, target, placed, *level);
+    set_functional(options, problem, target, placed, *level);
     return level;
 }
 

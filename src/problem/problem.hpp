@@ -60,7 +60,8 @@ std::string run_id(Deck deck, FileHashes& known);
 Problem make_problem(const Deck& deck);
 
 // The same on a mesh in memory. mesh_hash: of the file that it comes from.
-Problem make_problem(const Deck& deck, BaseMesh base, const std::string& mesh_hash, std::vector<std::string> notes = {});
+Problem make_problem(const Deck& deck, BaseMesh base, const std::string& mesh_hash,
+                     std::vector<std::string> notes = {});
 
 // Gives the problem the target of the deck's motions as they are now, at another time; all else stays.
 void move_target(const Deck& deck, Problem& problem);
@@ -75,17 +76,17 @@ std::unique_ptr<Level> discretise(const Problem& problem, int refinements, int d
 
 // Of a mesh that is curved in place, the surfaces of the file along which nodes can slide; null where they are not
 // known.
-std::shared_ptr<SlidingSurfaces> surfaces_in_place(const Deck& deck, const Problem& problem);
+std::shared_ptr<SlidingSurfaces> surfaces_in_place(const ProblemOptions& options, const Problem& problem);
 
 // The energy of a mesh of this problem, in which infeasible elements need not be valid.
 std::unique_ptr<DistortionEnergy> make_energy(const Problem& problem, const Level& level,
                                               const DistortionParams& params);
 
 // Gives the problem's level its energy and its constraint: the functional of Eq. 6. The problem must stay where it is.
-void set_functional(const Deck& deck, const Problem& problem);
+void set_functional(const ProblemOptions& options, const Problem& problem);
 
 // The same for its constraint alone, after move_target().
-void set_constraint(const Deck& deck, const Problem& problem);
+void set_constraint(const ProblemOptions& options, const Problem& problem);
 
 // A mesh on which the problem is solved first.
 struct CoarserMesh {
@@ -95,6 +96,6 @@ struct CoarserMesh {
 // The problem on it, with its functional, in the same frame; the target is not checked again. With a lower degree than
 // the deck's, nodes are moved to where the motion takes them: what is curved between them is left to the finer mesh.
 // The problem must outlive the level.
-std::unique_ptr<Level> coarser_level(const Deck& deck, const Problem& problem, const CoarserMesh& coarser);
+std::unique_ptr<Level> coarser_level(const ProblemOptions& options, const Problem& problem, const CoarserMesh& coarser);
 
 }  // namespace almesh

@@ -12,7 +12,7 @@
 
 namespace almesh {
 
-struct Deck;
+struct ProblemOptions;
 struct Problem;
 
 // Seconds of a run. Timings are of the iterations on the coarser meshes and on the deck's own; the others of what is
@@ -51,7 +51,7 @@ struct Solution {
 };
 
 // How a problem is solved.
-using Solve = std::function<Solution(const Deck& deck, const Problem& problem)>;
+using Solve = std::function<Solution(const ProblemOptions& options, const Problem& problem)>;
 
 // Of the nodes of the solution, in the file's frame; those at their targets have the target's bits, and where a mesh is
 // curved in place those that are where the file has them the file's.

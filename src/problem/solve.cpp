@@ -15,19 +15,19 @@
 namespace almesh {
 namespace {
 
-bool starts_coarse(const Deck& deck) {
-    if (deck.method.moving == MovingMethod::boundary_set) return false;
-    if (deck.start == Start::automatic) return deck.method.algorithm == Algorithm::adaptive;
-    return deck.start == Start::coarse;
+bool starts_coarse(const ProblemOptions& options) {
+    if (options.method.moving == MovingMethod::boundary_set) return false;
+    if (options.start == Start::automatic) return options.method.algorithm == Algorithm::adaptive;
+    return options.start == Start::coarse;
 }
 
 // Whether the identity map with a large penalty is as good a start as the solution of a lower degree, and costs
 // nothing: in two dimensions, where the motion leaves the boundary's vertices where they are and curves what is between
 // them, and the Hessian at the identity is not zero, as it is with Eq. 5.
-bool identity_is_near(const Deck& deck, const Problem& problem) {
+bool identity_is_near(const ProblemOptions& options, const Problem& problem) {
     const Mesh& mesh = problem.mesh();
     if (mesh.dim != 2 || mesh.degree == 1 || !problem.target.prescribes_all()) return false;
-    if (deck.distortion.objective != Objective::squared) return false;
+    if (options.distortion.objective != Objective::squared) return false;
     const double rounding = 1e-9 * std::sqrt(volume(mesh, problem.ideal()));
     for (int f = 0; f < mesh.face_count(); ++f)
         for (int i = 0; i < mesh.dim; ++i) {
@@ -40,19 +40,19 @@ bool identity_is_near(const Deck& deck, const Problem& problem) {
 
 // From coarse to fine: linear meshes refined 0, 1, ... times, then as fine as the deck's own of degree 1, 2, 4, ...;
 // none where the identity is near.
-std::vector<CoarserMesh> coarser_meshes(const Deck& deck, const Problem& problem) {
+std::vector<CoarserMesh> coarser_meshes(const ProblemOptions& options, const Problem& problem) {
     std::vector<CoarserMesh> coarser;
-    if (problem.is_own_ideal || identity_is_near(deck, problem)) return coarser;
-    for (int refinements = 0; refinements < deck.refine; ++refinements) coarser.push_back({refinements, 1});
+    if (problem.is_own_ideal || identity_is_near(options, problem)) return coarser;
+    for (int refinements = 0; refinements < options.refine; ++refinements) coarser.push_back({refinements, 1});
     // The file's own curves are known from its degree on; but where nodes slide, they find their way at lower ones.
     const int of_file = problem.target.frees() ? 1 : problem.shape().degree;
     for (int degree = 1; degree < problem.mesh().degree; degree = std::max(2 * degree, of_file))
-        coarser.push_back({deck.refine, degree});
+        coarser.push_back({options.refine, degree});
     return coarser;
 }
 
-// Where the boundary is from where the motions of the deck take it. Distances of faces: where the target was changed or
-// is curved, from the target as the deck has it, on boundaries without a surface of their own.
+// Where the boundary is from where the motions take it. Distances of faces: if the target was changed or is curved, from
+// the target of the motions, on boundaries without a surface of their own.
 void measure_boundary(const Problem& problem, Solution& solution) {
     const Mesh& mesh = problem.mesh();
     const BoundaryTarget& target = problem.target;
@@ -76,21 +76,22 @@ void measure_boundary(const Problem& problem, Solution& solution) {
 }
 
 // Whether the boundary is on its target, as far as Algorithm 1 tests it.
-bool constrained(const Deck& deck, const AlIteration& row) {
-    const bool adaptive = deck.method.algorithm == Algorithm::adaptive;
-    return row.projected_constraint_norm * row.projected_constraint_norm <= deck.method.epsilon_star &&
-           (!adaptive || row.relative_boundary_error <= deck.method.wall_tolerance);
+bool constrained(const ProblemOptions& options, const AlIteration& row) {
+    const bool adaptive = options.method.algorithm == Algorithm::adaptive;
+    return row.projected_constraint_norm * row.projected_constraint_norm <= options.method.epsilon_star &&
+           (!adaptive || row.relative_boundary_error <= options.method.wall_tolerance);
 }
 
-AlResult minimise_objective(const Deck& deck, const Level& level, Newton& newton, const MethodParams& params,
+AlResult minimise_objective(const ProblemOptions& options, const Level& level, Newton& newton,
+                            const MethodParams& params,
                             std::vector<double>& x, const AlStart& start, const AlObserver& observer,
                             const StageObserver& observe_part) {
     constexpr int last_power = 64;
-    if (deck.method.moving == MovingMethod::boundary_set)
+    if (options.method.moving == MovingMethod::boundary_set)
         return minimise_with_boundary_set(level, newton, params, 1, x, observer);
-    if (deck.distortion.objective != Objective::minimax)
+    if (options.distortion.objective != Objective::minimax)
         return minimise_in_increments(level, newton, params, x, start, observer, observe_part);
-    return minimise_p_norm(level, newton, params, deck.power.value_or(last_power), x, start, observer, observe_part);
+    return minimise_p_norm(level, newton, params, options.power.value_or(last_power), x, start, observer, observe_part);
 }
 
 }  // namespace
@@ -137,11 +138,11 @@ void place_inside_volumes(const Problem& problem, std::vector<double>& x) {
 }
 
 // The last row then tells of the mesh that is written.
-void snap(const Deck& deck, const Problem& problem, Solution& solution) {
+void snap(const ProblemOptions& options, const Problem& problem, Solution& solution) {
     const bool converged = solution.al.status == Status::converged;
-    const bool adaptive = deck.method.algorithm == Algorithm::adaptive;
+    const bool adaptive = options.method.algorithm == Algorithm::adaptive;
     const bool all = adaptive && converged;
-    if (!all && (deck.method.moving != MovingMethod::augmented_lagrangian || !(adaptive || converged) ||
+    if (!all && (options.method.moving != MovingMethod::augmented_lagrangian || !(adaptive || converged) ||
                  !std::isfinite(solution.al.distortion.max_distortion)))
         return;
     Level& level = *problem.level;
@@ -161,7 +162,7 @@ void round_as_file(const Problem& problem, std::vector<double>& x) {
     problem.frame.take_to_run(x, problem.mesh().dim);
 }
 
-void examine(const Deck& deck, const Problem& problem, Solution& solution) {
+void examine(const ProblemOptions& options, const Problem& problem, Solution& solution) {
     const TimeAdder adder(solution.time.certify);
     Level& level = *problem.level;
     solution.certificate = certify(level.mesh, solution.x);
@@ -172,10 +173,10 @@ void examine(const Deck& deck, const Problem& problem, Solution& solution) {
         std::max(level.constraint->max_error(solution.x), level.constraint->error_between_nodes(solution.x));
     solution.nodes_off_target = nodes_off_target(*level.constraint, solution.x);
     measure_boundary(problem, solution);
-    solution.diagnosis = diagnose(deck, problem, solution);
+    solution.diagnosis = diagnose(options, problem, solution);
 }
 
-Diagnosis diagnose(const Deck& deck, const Problem& problem, const Solution& solution) {
+Diagnosis diagnose(const ProblemOptions& options, const Problem& problem, const Solution& solution) {
     Level& level = *problem.level;
     const Status status = solution.al.status;
     if (status == Status::converged && solution.injectivity.certified) return {};
@@ -191,22 +192,22 @@ Diagnosis diagnose(const Deck& deck, const Problem& problem, const Solution& sol
         case Cause::distortion: return most_distorted(last);
         case Cause::boundary: return farthest();
         case Cause::boundary_or_gradient:
-            return constrained(deck, solution.al.iterations.back()) ? unbalanced() : farthest();
+            return constrained(options, solution.al.iterations.back()) ? unbalanced() : farthest();
     }
     return {};
 }
 
-Solution solve(const Deck& deck, const Problem& problem, const SolveObserver& observer, MeshSoFar* so_far,
+Solution solve(const ProblemOptions& options, const Problem& problem, const SolveObserver& observer, MeshSoFar* so_far,
                bool goes_on) {
     const Stopwatch watch;
     Solution solution;
-    const auto coarser = starts_coarse(deck) ? coarser_meshes(deck, problem) : std::vector<CoarserMesh>();
-    const auto make_level = [&](int k) { return coarser_level(deck, problem, coarser[k]); };
+    const auto coarser = starts_coarse(options) ? coarser_meshes(options, problem) : std::vector<CoarserMesh>();
+    const auto make_level = [&](int k) { return coarser_level(options, problem, coarser[k]); };
     const auto add_stage = [&](const Stage& stage) {
         if (observer.stage) observer.stage(stage);
         solution.coarse_newton_iterations += stage.newton_iterations;
     };
-    MethodParams params = {deck.method, deck.linear, deck.forcing, continuation_of(deck)};
+    MethodParams params = {options.method, options.linear, options.forcing, continuation_of(options)};
     params.goes_on = goes_on;
     if (so_far) {
         params.observe_iterate = [so_far](const Level& level, const std::vector<double>& x) { so_far->keep(level, x); };
@@ -218,7 +219,7 @@ Solution solve(const Deck& deck, const Problem& problem, const SolveObserver& ob
     solution.time.coarse = solution.time.total;
 
     Level& level = *problem.level;
-    set_functional(deck, problem);  // Eq. 6
+    set_functional(options, problem);  // Eq. 6
 
     Standing& standing = *params.standing;
     AlObserver observe_al = observer;
@@ -232,18 +233,18 @@ Solution solve(const Deck& deck, const Problem& problem, const SolveObserver& ob
     AlStart start = from_file ? AlStart::from_near(*level.constraint) : start_from(coarse, level, solution.x);
     if (goes_on) start.mu = standing.mu;
     if (goes_on && standing.lambda.size() == start.lambda.size()) start.lambda = standing.lambda;
-    if (starts_coarse(deck) && identity_is_near(deck, problem)) start.mu = largest_start_penalty;
-    Newton newton(level.energy->hessian_pattern(), deck.linear, {.forcing = deck.forcing});
+    if (starts_coarse(options) && identity_is_near(options, problem)) start.mu = largest_start_penalty;
+    Newton newton(level.energy->hessian_pattern(), options.linear, {.forcing = options.forcing});
     if (observer.begins) observer.begins(newton, solution.x);
     solution.time.setup = watch.seconds() - solution.time.coarse;
-    solution.al = minimise_objective(deck, level, newton, params, solution.x, start, observe_al,
+    solution.al = minimise_objective(options, level, newton, params, solution.x, start, observe_al,
                                      observer.stage);
     solution.time += newton.time;
     if (so_far && solution.al.status == Status::interrupted) so_far->write(level, solution.x);
     if (solution.al.status == Status::linear_solver_failed)
         solution.refused_bytes = newton.linear_solver().refused_bytes();
     if (solution.al.status == Status::converged) place_inside_volumes(problem, solution.x);
-    snap(deck, problem, solution);
+    snap(options, problem, solution);
     return solution;
 }
 

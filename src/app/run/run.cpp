@@ -125,10 +125,11 @@ ExitCode run(const Deck& deck, std::FILE* out, const RunHooks& hooks) {
     IterationTable report(out, {problem.mesh().dim, problem.frame.length}, problem.run_id);
     const Stopwatch solving;
     int newton_steps = 0;  // of all solutions, parts and attempts, whatever became of them
-    const Solve solve_problem = [&](const Deck& settings, const Problem& of) {
+    const Solve solve_problem = [&](const ProblemOptions& settings, const Problem& of) {
         const bool is_kept = so_far.standing->attempt < 0 && &of == &problem;
         MeshSoFar* const kept = is_kept ? &so_far : nullptr;
-        Solution found = solve(settings, of, observer_of(deck, of, report, out, kept), kept, std::exchange(goes_on, false));
+        const SolveObserver observer = observer_of(deck, of, report, out, kept);
+        Solution found = solve(settings, of, observer, kept, std::exchange(goes_on, false));
         found.reached = report.reached;
         newton_steps += found.newton_steps();
         return found;
