@@ -79,11 +79,18 @@ std::string to_text(double value) {
     return joined({value});
 }
 
-TextPart::TextPart(double value)
-    : text_(digits_.data(), std::to_chars(digits_.begin(), digits_.end(), value, std::chars_format::general).ptr) {}
+TextPart::TextPart(double value) {
+    char* const begin = digits_.data();
+    text_ = digits_until(std::to_chars(begin, begin + digits_.size(), value, std::chars_format::general).ptr);
+}
 
 void TextPart::set_integer(long long value) {
-    text_ = {digits_.data(), std::to_chars(digits_.begin(), digits_.end(), value).ptr};
+    char* const begin = digits_.data();
+    text_ = digits_until(std::to_chars(begin, begin + digits_.size(), value).ptr);
+}
+
+std::string_view TextPart::digits_until(const char* end) const {
+    return {digits_.data(), static_cast<std::size_t>(end - digits_.data())};
 }
 
 std::string joined(std::initializer_list<TextPart> parts) {

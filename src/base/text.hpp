@@ -49,6 +49,7 @@ private:
     std::array<char, 32> digits_;  // the longest double needs 24 characters
 
     void set_integer(long long value);
+    std::string_view digits_until(const char* end) const;
 };
 
 std::string joined(std::initializer_list<TextPart> parts);

@@ -274,9 +274,9 @@ private:
         }, at_once * face_work);
         std::vector<FaultOfPair> faults;
         for (const std::vector<FaultOfPair>& some : found) faults.insert(faults.end(), some.begin(), some.end());
-        std::ranges::stable_sort(faults, {}, [](const FaultOfPair& of) {
-            return std::tuple(of.f, of.g, of.what == touching);
-        });
+        const auto key = [](const FaultOfPair& of) { return std::tuple(of.f, of.g, of.what == touching); };
+        std::stable_sort(faults.begin(), faults.end(),
+                         [&](const FaultOfPair& a, const FaultOfPair& b) { return key(a) < key(b); });
         const auto same = [](const FaultOfPair& a, const FaultOfPair& b) { return a.f == b.f && a.g == b.g; };
         faults.erase(std::unique(faults.begin(), faults.end(), same), faults.end());  // of several patches
         std::set<std::pair<int, int>> named;
@@ -405,7 +405,8 @@ private:
             if (l <= k || overlaps.faces(f, g) || length(becomes[k] - becomes[l]) > tolerance(k)) return;
             together.push_back({nodes[k], nodes[l], f, g, length(was[k] - was[l]) > tolerance(k)});
         });
-        std::ranges::stable_sort(together, {}, &Together::node);
+        std::stable_sort(together.begin(), together.end(),
+                         [](const Together& a, const Together& b) { return a.node < b.node; });
         DisjointSets places(mesh.nodes());
         for (const Together& pair : together) places.join(pair.node, pair.other);
         report.place.resize(mesh.nodes());
