@@ -67,6 +67,8 @@ TARGETS = [
     Target("help-all"),
     Target("test", "hours"),
     Target("quick", "minutes", ["ONLY=line_search"]),
+    Target("examples"),
+    Target("long-tests", "minutes"),
     Target("oracle", "minutes", ["DECKS=circle"], ["numpy"]),
     Target("asan", "hours"),
     Target("mutants", "hours", ["ONLY=snap.cpp"]),
