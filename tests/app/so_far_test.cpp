@@ -161,6 +161,24 @@ TEST_CASE("a run that every process takes a few steps further comes to the same 
     }
 }
 
+TEST_CASE("a repair whose nodes have slid is stopped again as soon as it goes on") {
+    const Case repair = cases()[6];
+    const Project project(repair.mesh, repair.text);
+    const int steps = project.run({});
+    const std::vector<double> whole = project.positions();
+    int slid = 0;
+    for (int tenth = 5; tenth < 10; ++tenth) {
+        project.run({}, steps * tenth / 10);
+        const std::string text = text_of(project.so_far);
+        const auto freed = text.find("\nfreed ");
+        slid += text.find('1', freed) < text.find('\n', freed + 1);
+        project.go_on(1);
+        project.go_on();
+        CHECK(distance(project.positions(), whole) < 1e-9);
+    }
+    CHECK(slid > 0);
+}
+
 TEST_CASE("the mesh from which a run goes on stays until there is a newer one") {
     const Case turn = cases()[0];
     const Project project(turn.mesh, turn.text);
