@@ -50,10 +50,11 @@ public:
         if (is_minimax_) options_.distortion.objective = Objective::squared;
     }
 
-    // From where the run stood, at x.
+    // From where the run stood, at x. Nodes that have slid need the surfaces that they slid along.
     void go_on(const std::vector<double>& x) {
         solution_.x = x;
         bound_ = certify(mesh_, x).lower_bound;
+        if (count(freed_) > 0 && !can_slide()) freed_.assign(mesh_.nodes(), 0);
     }
 
     // From the mesh of the file. From here on the mesh is valid.
