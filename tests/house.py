@@ -18,12 +18,12 @@ SRC = ROOT / "src"
 
 # Rooms, each of which includes only itself and those above it; those of one line include each other.
 ROOMS = {
-    "base": 1566, "linalg": 4904, "mesh": 4456, "geometry": 2014, "energy": 3398, "constraint": 4121, "method": 3155,
-    "check": 2667, "io": 2615, "deck": 1141, "problem": 4534, "report": 1486, "app": 2082,
+    "base": 1574, "linalg": 4904, "mesh": 4456, "geometry": 2014, "energy": 3398, "constraint": 4121, "method": 3155,
+    "check": 2668, "io": 2615, "deck": 1141, "problem": 4535, "report": 1486, "app": 2082,
 }
 TOGETHER = [{"deck", "problem", "report"}]
-MOST = {"src/ without lessons and examples": 38716, "src/examples": 900, "src/lessons": 6000, "README.md": 180,
-        "Newton::minimise()": 30, "include depth": 11, "a file": 489, "includes beyond the line": 46}
+MOST = {"src/ without lessons and examples": 38726, "src/examples": 900, "src/lessons": 6000, "README.md": 180,
+        "Newton::minimise()": 30, "include depth": 11, "a file": 490, "includes beyond the line": 46}
 # topic: most files, most lines, the files: both of `name.*` where there are two.
 TOPICS = {
     "Algorithm 1": (9, 930, "method/augmented_lagrangian.* method/schedule.* method/status.* method/functional.hpp "
