@@ -227,6 +227,9 @@ void MovingMesh::State::set_time(double t) {
     BaseMesh own = base;
     std::vector<std::string> notes;
     assign_boundaries(deck, own.mesh, notes);
+    for (const std::string& name : own.mesh.boundaries)
+        if (!motion_for(deck, name))
+            throw UsageError("boundary ", with_quotes(name), " is not set: set() says what holds its nodes");
     problem = std::make_unique<Problem>(make_problem(deck, std::move(own), "", std::move(notes)));
     solver = std::make_unique<FrameSolver>(*problem);
 }
@@ -280,11 +283,10 @@ Moved MovingMesh::State::solve(const Moved* before, double t, const Observer& ob
 Moved MovingMesh::State::follow(const Moved& before, double t, int halvings, const Observer& observe) {
     Moved moved = solve(&before, t, observe);
     if (moved.is_good() || halvings == 0) return moved;
-    Moved middle = follow(before, 0.5 * (before.t + t), halvings - 1, observe);
-    if (!middle.is_good()) return moved;
-    middle.newton_steps += moved.newton_steps;
-    moved = follow(middle, t, halvings - 1, observe);
-    moved.newton_steps += middle.newton_steps;
+    const int steps = moved.newton_steps;
+    const Moved middle = follow(before, 0.5 * (before.t + t), halvings - 1, observe);
+    if (middle.is_good()) moved = follow(middle, t, halvings - 1, observe);
+    moved.newton_steps = middle.newton_steps + (middle.is_good() ? moved.newton_steps : 0) + steps;
     return moved;
 }
 

@@ -59,8 +59,8 @@ struct Boundary {
 
     Kind kind = Kind::fixed;
     Position position = {};          // of moves; of slides: where the surface goes, empty: it stays
-    std::vector<double> target = {}; // of moves, instead: nodes x dim at t = 1, of which the boundary's are read; before
-                                     // that the straight way there
+    std::vector<double> target = {}; // of moves, instead: nodes x dim at t = 1, of which the boundary's are read; until
+                                     // then the straight way there
     double turn = 0;                 // degrees by which the position turns the boundary at t = 1: see Continuation
 
     static Boundary fixed() { return {}; }
@@ -93,9 +93,9 @@ struct Options {
         size_shape,  // of (eta - 1)^2, where eta is of shape and size
         minimax      // the largest eta
     };
-    // Whether the motion is done in parts, each from the mesh of the one before. automatic: where Boundary::turn is
-    // above 90 degrees, by the shorter way, and where the whole motion at once fails; always: by turns as they are
-    // given, also beyond 180 degrees.
+    // Whether the motion is done in parts, each from the mesh of the one before. automatic: if Boundary::turn, without
+    // full turns, is above 90 degrees, and if the whole motion at once fails; always: by turns as they are given, also
+    // beyond 180 degrees.
     enum class Continuation { automatic, never, always };
 
     Objective objective = Objective::deviation;
@@ -123,8 +123,8 @@ using Observer = std::function<void(const Progress&)>;
 struct Moved {
     std::vector<double> x;  // nodes x dim, of MovingMesh::arrays()
     double t = 0;           // the time that it is of
-    bool converged = false;
-    std::string status;     // "converged", "settled", "stalled", ... as almesh's summary.txt has it
+    bool converged = false;  // also if steps no longer gain anything, with the status "no_visible_gain"
+    std::string status;      // "converged", "stalled", "max_newton_iterations", ..., as in almesh's summary.txt
     Verdict verdict;
     double relative_quality = 0, max_distortion = 1;  // 1 where nothing is distorted
     int nodes_off_target = 0;                         // of the boundary, by however little
@@ -145,21 +145,21 @@ public:
     // order.
     const MeshArrays& arrays() const;
 
-    // Each boundary needs one before the mesh moves; another one replaces it.
+    // Each boundary needs one before the mesh moves, or that of "rest"; another one replaces it.
     void set(const std::string& boundary, const Boundary& what);
 
     // From the mesh as it was, in one solution: nothing depends on what was moved before.
     Moved move(double t = 1, const Observer& observe = {});
 
-    // From `before`, a mesh of this object that is good, to the time t, in the few Newton steps that a near mesh needs;
-    // the motion from one time to the other in halves where the whole fails.
+    // From `before`, a mesh of this object that is good, to a later time t, in the few Newton steps that a near mesh
+    // needs; the motion from one time to the other in halves if the whole fails. To an earlier time as move().
     Moved follow(const Moved& before, double t, const Observer& observe = {});
 
     Verdict certify(const std::vector<double>& x) const;
 
     // Derivatives at a mesh that has converged, which is first made stationary to rounding (on return `at` is that
-    // mesh): of x by the position of the boundary, along a velocity of its nodes; and of a function J(x) by the position
-    // of each boundary node, zero inside. All nodes x dim.
+    // mesh): of x by the position of the boundary, along a velocity of its nodes; and of a function J(x) by the
+    // position of each boundary node, zero inside. All nodes x dim.
     std::vector<double> tangent(Moved& at, const std::vector<double>& velocity);
     std::vector<double> adjoint(Moved& at, const std::vector<double>& dJ_dx);
 

@@ -112,7 +112,12 @@ BoundaryTarget CurvedPart::fixed_at(const std::vector<double>& positions) const 
 
 std::vector<char> CurvedPart::nodes_to_free(const Infeasible& infeasible, bool around) const {
     if (around) return almesh::nodes_to_free(*this, fixed_at(curved), infeasible);
-    return nodes_at(elements_of(*this, infeasible));
+    std::vector<char> is_chosen(element_count(), 0), on_face(nodes(), 0);
+    for (const int e : elements_of(*this, infeasible)) is_chosen[e] = 1;
+    for_face_nodes(*this, [&](int f, std::size_t k) {
+        if (is_chosen[face_element[f]]) on_face[faces[k]] = 1;
+    });
+    return on_face;
 }
 
 void CurvedPart::free_nodes(std::vector<char> chosen) {
@@ -129,15 +134,6 @@ void CurvedPart::free_nodes_in(const std::vector<char>& of_whole, bool vertices_
     for (int f = 0; f < face_count() && !vertices_too; ++f)
         for (const int i : face_vertices(f)) chosen[i] = 0;
     free_nodes(std::move(chosen));
-}
-
-std::vector<char> CurvedPart::nodes_at(const std::vector<int>& chosen) const {
-    std::vector<char> is_chosen(element_count(), 0), on_face(nodes(), 0);
-    for (const int e : chosen) is_chosen[e] = 1;
-    for_face_nodes(*this, [&](int f, std::size_t k) {
-        if (is_chosen[face_element[f]]) on_face[faces[k]] = 1;
-    });
-    return on_face;
 }
 
 void CurvedPart::flatten(double bound) {

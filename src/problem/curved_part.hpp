@@ -41,9 +41,6 @@ struct CurvedPart : MeshPart {  // in the run's frame; x: the straight-sided for
     // The same of boundary nodes chosen among those of the whole.
     void free_nodes_in(const std::vector<char>& of_whole, bool vertices_too);
 
-    // Per node: whether it is on a boundary face of these elements.
-    std::vector<char> nodes_at(const std::vector<int>& chosen) const;
-
     // Moves `curved` towards the straight-sided form until it makes no element invalid by itself.
     void flatten(double bound);
 };
