@@ -103,18 +103,6 @@ T distortion(const Mat<n, T>& F, double delta, Measure = {}) {
     return select(D > 0, eta, std::numeric_limits<double>::infinity());
 }
 
-// (eta - 1)^2, or eta^2 where `from_one` is false.
-template <class MeasureOf>
-struct Quadratic {
-    using Measure = MeasureOf;
-    bool from_one;
-    auto root(auto eta) const { return from_one ? eta - 1 : eta; }
-    auto f(auto eta) const { return root(eta) * root(eta); }
-    auto f1(auto eta) const { return 2 * root(eta); }
-    auto f2(auto) const { return 2.0; }
-    double half_slope(double f) const { return std::sqrt(f); }
-};
-
 // x^k by squaring, k >= 0.
 template <class T>
 T integer_power(T x, int k) {
@@ -126,24 +114,26 @@ T integer_power(T x, int k) {
     return result;
 }
 
-// M^2 (s^p + kappa s^2), s = (eta - 1) / M, or eta / M where `from_one` is false; p >= 2.
+// M^2 (s^p + kappa s^2), s = (eta - 1) / M, or eta / M where `from_one` is false; p >= 2. As it stands here, the square.
 template <class MeasureOf>
 struct Power {
     using Measure = MeasureOf;
     bool from_one;
-    int p;
-    double M, kappa;
-    auto root(auto eta) const { return (from_one ? eta - 1 : eta) / M; }
+    int p = 2;
+    double M = 1, kappa = 0;
+    bool is_square = p == 2 && M == 1 && kappa == 0;
+    auto root(auto eta) const { return from_one ? eta - 1 : eta; }
     auto f(auto eta) const {
-        const auto s = root(eta);
-        return M * M * (integer_power(s, p) + kappa * s * s);
+        const auto s = is_square ? root(eta) : root(eta) / M;
+        return is_square ? s * s : M * M * (integer_power(s, p) + kappa * s * s);
     }
     auto f1(auto eta) const {
-        const auto s = root(eta);
-        return M * (p * integer_power(s, p - 1) + 2 * kappa * s);
+        const auto s = is_square ? root(eta) : root(eta) / M;
+        return is_square ? 2 * s : M * (p * integer_power(s, p - 1) + 2 * kappa * s);
     }
-    auto f2(auto eta) const { return p * (p - 1) * integer_power(root(eta), p - 2) + 2 * kappa; }
+    auto f2(auto eta) const { return p * (p - 1) * integer_power(root(eta) / M, p - 2) + 2 * kappa; }
     double half_slope(double f) const {  // kappa left out
+        if (is_square) return std::sqrt(f);
         return 0.5 * M * p * std::pow(std::max(f, 0.0) / (M * M), (p - 1.0) / p);
     }
 };
@@ -151,12 +141,10 @@ struct Power {
 // body(density) for the one that the parameters name.
 template <class Body>
 auto with_density(const DistortionParams& params, const Body& body) {
-    const bool from_one = params.objective != Objective::squared, of_size = params.objective == Objective::size_shape;
     const auto& [p, M, kappa] = params.power;
-    if (params.objective == Objective::tangled) return body(Quadratic<Tangled>{false});
-    if (p == 2 && M == 1 && kappa == 0)
-        return of_size ? body(Quadratic<ShapeAndSize>{true}) : body(Quadratic<Shape>{from_one});
-    return of_size ? body(Power<ShapeAndSize>{true, p, M, kappa}) : body(Power<Shape>{from_one, p, M, kappa});
+    if (params.objective == Objective::tangled) return body(Power<Tangled>{false});
+    if (params.objective == Objective::size_shape) return body(Power<ShapeAndSize>{true, p, M, kappa});
+    return body(Power<Shape>{params.objective != Objective::squared, p, M, kappa});
 }
 
 // df/dF. F must have finite distortion.

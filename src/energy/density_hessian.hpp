@@ -18,33 +18,24 @@
 
 namespace almesh {
 
-// share f + (1 - share) eta^2: the objective with its damping (distortion_energy.hpp).
+// share f + (1 - share) eta^2: the objective with its damping (distortion_energy.hpp). Of a square it is one again,
+// (eta - shift)^2 up to a constant.
 template <class Density>
 struct Damped {
     using Measure = typename Density::Measure;
     Density of;
     Lanes share;
-    Lanes f1(Lanes eta) const { return 2 * eta + share * (of.f1(eta) - 2 * eta); }
+    Lanes f1(Lanes eta) const {
+        if constexpr (requires { of.is_square; })
+            if (of.is_square) return 2 * (eta - (of.from_one ? share : Lanes{}));
+        return 2 * eta + share * (of.f1(eta) - 2 * eta);
+    }
     Lanes f2(Lanes eta) const { return 2 + share * (of.f2(eta) - 2); }
 };
 
 template <class Density>
 Damped<Density> damped(Density density, Lanes share) {
     return {density, share};
-}
-
-// Of a quadratic again one, (eta - shift)^2 up to a constant.
-template <class MeasureOf>
-struct ShiftedQuadratic {
-    using Measure = MeasureOf;
-    Lanes shift;
-    Lanes f1(Lanes eta) const { return 2 * (eta - shift); }
-    double f2(Lanes) const { return 2; }
-};
-
-template <class Measure>
-ShiftedQuadratic<Measure> damped(Quadratic<Measure> density, Lanes share) {
-    return {density.from_one ? share : Lanes{}};
 }
 
 // d2f / dJ_ak dJ_bl in tensor[k][l][a][b].

@@ -57,7 +57,7 @@ void add_second_derivative(const Mat<n>& F, Density density, double delta, doubl
 
 // eta^2 with the measure of another density: what it is damped by.
 template <class Density>
-Quadratic<typename Density::Measure> square_like(Density) {
+Power<typename Density::Measure> square_like(Density) {
     return {false};
 }
 

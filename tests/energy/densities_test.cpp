@@ -97,7 +97,7 @@ void check_mixture(const Mat<n>& a, const Mat<n>& b, double share, const Mat<n>&
 template <int n, class Density>
 void check_damped(const Mat<n>& F, Density density, double share, const Mat<n>& dF) {
     const auto of_damped = damped(density, in_all_lanes(share));
-    const Quadratic<typename Density::Measure> squared{false};
+    const Power<typename Density::Measure> squared{false};
     for (const double delta : {0.0, 0.3}) {
         check_mixture<n>(gradient<n>(F, delta, density), gradient<n>(F, delta, squared), share,
                          gradient<n>(F, delta, of_damped));
@@ -120,8 +120,8 @@ void check_quartic() {
         check_hessian<n>(thin, 0, damped(density, in_all_lanes(0.3)), dF, 1e-3);
         for (double share : {0.0, 0.3, 1.0}) {
             check_damped<n>(thin, density, share, dF);
-            check_damped<n>(thin, Quadratic<Measure>{true}, share, dF);
-            check_damped<n>(thin, Quadratic<Measure>{false}, share, dF);
+            check_damped<n>(thin, Power<Measure>{true}, share, dF);
+            check_damped<n>(thin, Power<Measure>{false}, share, dF);
         }
     }
 }
