@@ -11,8 +11,9 @@
 #include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "base/table.hpp"
+#include "constraint/sliding.hpp"
 #include "constraint/sliding_nodes.hpp"
-#include "geometry/closest_point.hpp"
+#include "constraint/target.hpp"
 #include "geometry/face_patches.hpp"
 
 namespace almesh {

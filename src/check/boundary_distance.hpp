@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "constraint/sliding.hpp"
-#include "constraint/target.hpp"
-#include "mesh/mesh.hpp"
-
 namespace almesh {
+
+struct BoundaryTarget;
+struct Mesh;
+class SlidingSurfaces;
 
 struct BoundaryDistance {
     int boundary = 0;

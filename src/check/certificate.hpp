@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "mesh/mesh.hpp"
-
 namespace almesh {
+
+struct Mesh;
 
 struct CertificateParams {
     double tolerance = 0.01;    // relative gap allowed between the lower bound and a value of the scaled Jacobian

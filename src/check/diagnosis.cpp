@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/index.hpp"
+#include "check/injectivity.hpp"
 #include "constraint/sliding_nodes.hpp"
+#include "constraint/target.hpp"
+#include "geometry/patch.hpp"
 
 namespace almesh {
 namespace {

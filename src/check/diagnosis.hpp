@@ -13,13 +13,14 @@
 #include <limits>
 #include <vector>
 
-#include "check/injectivity.hpp"
-#include "constraint/constraint.hpp"
-#include "constraint/target.hpp"
-#include "mesh/mesh.hpp"
 #include "mesh/restriction.hpp"
 
 namespace almesh {
+
+struct BoundaryTarget;
+class Constraint;
+struct Injectivity;
+struct Mesh;
 
 enum class DiagnosisKind { none, off_target, unbalanced, distorted, invalid, overlap };
 const char* to_string(DiagnosisKind kind);

@@ -5,7 +5,9 @@
 
 #include "base/table.hpp"
 #include "base/files.hpp"
-#include "base/text.hpp"
+#include "constraint/constraint.hpp"
+#include "constraint/sliding.hpp"
+#include "constraint/target.hpp"
 #include "geometry/face_patches.hpp"
 #include "mesh/split.hpp"
 

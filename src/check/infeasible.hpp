@@ -13,12 +13,13 @@
 #include <vector>
 
 #include "check/target_check.hpp"
-#include "constraint/constraint.hpp"
-#include "constraint/sliding.hpp"
-#include "constraint/target.hpp"
-#include "mesh/mesh.hpp"
 
 namespace almesh {
+
+struct BoundaryTarget;
+class Constraint;
+struct Mesh;
+class SlidingSurfaces;
 
 constexpr double flat_jacobian = 1e-12;  // a scaled Jacobian that may be zero
 

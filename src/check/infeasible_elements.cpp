@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <optional>
 
-#include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "geometry/element_jacobian.hpp"
+#include "mesh/lagrange.hpp"
 
 namespace almesh {
 namespace {
@@ -137,7 +137,7 @@ std::vector<InfeasibleElement> infeasible_elements(const Mesh& mesh, const std::
     if (mesh.degree > 1) table.emplace(mesh.dim, mesh.degree);
     std::vector<std::optional<double>> value(mesh.element_count());
     std::vector<InfeasibleElement> found;
-    const std::vector<LagrangeBasis> bases = bases_of(mesh);
+    const std::vector<LagrangeBasis> bases = bases_of(mesh.element_groups(), mesh.degree);
     with_dimension(mesh.dim, [&](auto n) {
         parallel_for(mesh.element_count(), [&](int e) {
             const int* const node = mesh.element(e);

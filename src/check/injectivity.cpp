@@ -10,13 +10,15 @@
 #include <limits>
 #include <map>
 #include <numbers>
-#include <numeric>
 
 #include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "base/text.hpp"
+#include "check/certificate.hpp"
+#include "check/target_check.hpp"
 #include "geometry/closest_point.hpp"
 #include "geometry/face_patches.hpp"
+#include "mesh/lagrange.hpp"
 #include "mesh/unused_ids.hpp"
 
 namespace almesh {
@@ -176,7 +178,7 @@ void measure_contacts(const Mesh& mesh, const std::vector<double>& x, const std:
             face.insert(face.end(), mesh.dim, f);
             return;
         }
-        const auto [a, b] = longest_edge(patch, mesh.dim - 1);
+        const auto [a, b] = longest_edge(patch, {mesh.dim - 1, 0, 0});
         const auto [first, second] = bisect(faces.basis.bernstein, patch, a, b);
         self(self, first, f, bisections - 1);
         self(self, second, f, bisections - 1);

@@ -28,11 +28,12 @@
 #include <vector>
 
 #include "base/frame.hpp"
-#include "check/certificate.hpp"
-#include "check/target_check.hpp"
-#include "mesh/mesh.hpp"
 
 namespace almesh {
+
+struct Certificate;
+struct Mesh;
+struct TargetReport;
 
 struct Injectivity {
     bool certified = false;

@@ -7,12 +7,11 @@
 #include <limits>
 #include <numeric>
 
-#include "base/index.hpp"
 #include "base/parallel.hpp"
-#include "base/small_matrix.hpp"
 #include "base/table.hpp"
 #include "energy/densities.hpp"
 #include "geometry/patch.hpp"
+#include "mesh/mesh.hpp"
 #include "mesh/quadrature.hpp"
 #include "mesh/regular_cell.hpp"
 
@@ -62,23 +61,6 @@ double shape(const Mat<n>& J, const Mat<n>& from_regular) {
     return 1 / distortion<n>(multiply<n>(J, from_regular), 0);
 }
 
-template <int n>
-std::vector<double> element_quality(const Mesh& mesh, const std::vector<double>& x) {
-    return least_at_points<n>(mesh, [&](const auto& jacobian_of, const Mat<n>& from_regular) {
-        return shape<n>(jacobian_of(x), from_regular);
-    });
-}
-
-template <int n>
-std::vector<double> element_size_skew(const Mesh& mesh, const std::vector<double>& ideal,
-                                      const std::vector<double>& x) {
-    return least_at_points<n>(mesh, [&](const auto& jacobian_of, const Mat<n>& from_regular) {
-        const Mat<n> J = jacobian_of(x);
-        const double ratio = determinant(J) / determinant(jacobian_of(ideal));
-        return ratio > 0 ? std::sqrt(std::min(ratio, 1 / ratio)) * shape<n>(J, from_regular) : 0;
-    });
-}
-
 void measure_edges(const Mesh& mesh, const std::vector<double>& x, QualityStatistics& statistics) {
     statistics.min_edge = std::numeric_limits<double>::max();
     statistics.max_edge = 0;
@@ -104,7 +86,11 @@ std::vector<int> worst_elements(const std::vector<double>& quality) {
 
 QualityStatistics mesh_quality(const Mesh& mesh, const std::vector<double>& x) {
     QualityStatistics statistics{};
-    with_dimension(mesh.dim, [&](auto n) { statistics.quality = element_quality<n()>(mesh, x); });
+    with_dimension(mesh.dim, [&](auto n) {
+        statistics.quality = least_at_points<n()>(mesh, [&](const auto& jacobian_of, const Mat<n()>& from_regular) {
+            return shape<n()>(jacobian_of(x), from_regular);
+        });
+    });
     const std::vector<double>& quality = statistics.quality;
     const int count = mesh.element_count();
     statistics.min = count == 0 ? 1 : *std::min_element(quality.begin(), quality.end());
@@ -120,7 +106,13 @@ QualityStatistics mesh_quality(const Mesh& mesh, const std::vector<double>& x) {
 
 SizeSkew size_skew(const Mesh& mesh, const std::vector<double>& ideal, const std::vector<double>& x) {
     std::vector<double> of;
-    with_dimension(mesh.dim, [&](auto n) { of = element_size_skew<n()>(mesh, ideal, x); });
+    with_dimension(mesh.dim, [&](auto n) {
+        of = least_at_points<n()>(mesh, [&](const auto& jacobian_of, const Mat<n()>& from_regular) {
+            const Mat<n()> J = jacobian_of(x);
+            const double ratio = determinant(J) / determinant(jacobian_of(ideal));
+            return ratio > 0 ? std::sqrt(std::min(ratio, 1 / ratio)) * shape<n()>(J, from_regular) : 0;
+        });
+    });
     const int count = mesh.element_count();
     if (count == 0) return {1, 1};
     return {deterministic_sum(count, [&](int e) { return of[e]; }) / count, *std::min_element(of.begin(), of.end())};

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "mesh/mesh.hpp"
-
 namespace almesh {
+
+struct Mesh;
 
 struct QualityStatistics {
     std::vector<double> quality;     // per element: least 1 / eta at its quadrature points, 0 where inverted

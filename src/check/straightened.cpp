@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <optional>
 
-#include "base/index.hpp"
 #include "check/infeasible.hpp"
+#include "mesh/part.hpp"
 
 namespace almesh {
 namespace {

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "base/parallel.hpp"
-#include "base/small_matrix.hpp"
 #include "mesh/lagrange.hpp"
 #include "mesh/quadrature.hpp"
 

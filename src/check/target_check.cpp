@@ -13,7 +13,6 @@
 #include <limits>
 #include <map>
 #include <set>
-#include <span>
 #include <tuple>
 
 #include "base/disjoint_sets.hpp"

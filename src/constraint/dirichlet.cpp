@@ -3,12 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "base/error.hpp"
 #include "base/index.hpp"
 #include "base/parallel.hpp"
-#include "constraint/trace_space.hpp"
 
 namespace almesh {
 namespace {

@@ -1,11 +1,11 @@
 #include "constraint/sliding.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "base/index.hpp"
 #include "constraint/boundary_faces.hpp"
+#include "mesh/part.hpp"
 #include "mesh/restriction.hpp"
 
 namespace almesh {

@@ -9,16 +9,17 @@
 #include <array>
 #include <map>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "base/frame.hpp"
 #include "constraint/surface.hpp"
 #include "geometry/closest_point.hpp"
 #include "mesh/lagrange.hpp"
-#include "mesh/part.hpp"
 
 namespace almesh {
+
+struct Mesh;
+struct MeshPart;
 
 // A boundary of another mesh, along which one of the run slides.
 struct OtherSurface {

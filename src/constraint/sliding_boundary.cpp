@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "base/index.hpp"
 #include "base/parallel.hpp"
+#include "constraint/sliding.hpp"
 #include "constraint/sliding_nodes.hpp"
 #include "constraint/trace_space.hpp"
 

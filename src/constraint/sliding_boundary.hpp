@@ -15,10 +15,10 @@
 #include <vector>
 
 #include "constraint/dirichlet.hpp"
-#include "constraint/sliding.hpp"
-#include "constraint/sliding_nodes.hpp"
 
 namespace almesh {
+
+class SlidingSurfaces;
 
 class SlidingBoundary : public Dirichlet {
 public:

@@ -6,6 +6,8 @@
 
 #include "base/error.hpp"
 #include "base/index.hpp"
+#include "constraint/sliding.hpp"
+#include "constraint/target.hpp"
 
 namespace almesh {
 namespace {

@@ -4,11 +4,12 @@
 #include <vector>
 
 #include "constraint/constraint.hpp"
-#include "constraint/sliding.hpp"
-#include "constraint/target.hpp"
-#include "mesh/mesh.hpp"
 
 namespace almesh {
+
+struct BoundaryTarget;
+struct Mesh;
+class SlidingSurfaces;
 
 Vec<3> in_space(const double* x, int dim);  // dim coordinates, in 2D with a third of 0
 

@@ -1,12 +1,10 @@
 #include "constraint/trace_space.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
 #include "base/error.hpp"
-#include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "base/small_matrix.hpp"
 #include "linalg/direct/cholesky.hpp"

@@ -22,7 +22,7 @@ Interpolation vertex_interpolation(const Mesh& mesh) {
     for (int& c : column)
         if (c == 0) c = P.columns++;
     std::vector<std::vector<std::vector<double>>> weights;  // per group and node of its cell: of the vertices
-    for (const LagrangeBasis& basis : bases_of(mesh)) {
+    for (const LagrangeBasis& basis : bases_of(mesh.element_groups(), mesh.degree)) {
         weights.emplace_back();
         for (int a = 0; a < basis.count; ++a) weights.back().push_back(basis.vertex_weights(a));
     }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/index.hpp"
+#include "mesh/lagrange.hpp"
 
 namespace almesh {
 namespace {

@@ -12,9 +12,11 @@
 #include <vector>
 
 #include "base/small_matrix.hpp"
-#include "mesh/lagrange.hpp"
+#include "mesh/cells.hpp"
 
 namespace almesh {
+
+struct LagrangeBasis;
 
 struct Bernstein {
     int dim, degree, count;               // degree: the highest of a factor
@@ -128,10 +130,6 @@ std::array<int, 2> longest_edge(const Points& corner, const std::array<int, 3>& 
         first += dim + 1;
     }
     return longest;
-}
-template <class Points>
-std::array<int, 2> longest_edge(const Points& corner, int dim) {
-    return longest_edge(corner, std::array{dim, 0, 0});
 }
 
 // A point of a product of simplices: dim + 1 numbers for each, which add up to one; the rest 0.

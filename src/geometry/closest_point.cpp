@@ -51,7 +51,7 @@ void ClosestPoint::append_nearly_flat(const Bernstein& basis, const Piece& piece
         pieces_.push_back(piece);
         return;
     }
-    const auto [a, b] = longest_edge(piece.patch, basis.dim);
+    const auto [a, b] = longest_edge(piece.patch, {basis.dim, 0, 0});
     auto [near_a, near_b] = bisect(basis, piece.patch, a, b);
     const Vec<3> middle = 0.5 * (piece.corner[a] + piece.corner[b]);
     Piece half = {std::move(near_a), piece.whole, piece.corner};

@@ -1,4 +1,5 @@
 #include "geometry/element_jacobian.hpp"
+#include "mesh/lagrange.hpp"
 
 namespace almesh {
 namespace {

@@ -34,10 +34,9 @@
 #include <utility>
 #include <vector>
 
-#include "base/index.hpp"
 #include "base/lanes.hpp"
-#include "base/small_matrix.hpp"
 #include "geometry/patch.hpp"
+#include "mesh/mesh.hpp"
 
 namespace almesh {
 

@@ -113,7 +113,7 @@ std::vector<double> windings(const Bernstein& basis, const std::vector<Patch>& p
     std::vector<double> sum(count, 0.0);
     const auto add = [&](const auto& self, const Patch& patch, const std::vector<int>& seen, int bisections) -> void {
         if (bisections > 0) {
-            const auto [a, b] = longest_edge(patch, m);
+            const auto [a, b] = longest_edge(patch, {m, 0, 0});
             const auto [first, second] = bisect(basis, patch, a, b);
             self(self, first, seen, bisections - 1);
             self(self, second, seen, bisections - 1);

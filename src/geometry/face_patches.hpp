@@ -4,7 +4,6 @@
 #pragma once
 #include <vector>
 
-#include "base/small_matrix.hpp"
 #include "geometry/patch.hpp"
 #include "mesh/mesh.hpp"
 #include "mesh/sub_simplices.hpp"

@@ -7,7 +7,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "base/index.hpp"
+#include "mesh/lagrange.hpp"
+#include "mesh/mesh.hpp"
 
 namespace almesh {
 
@@ -48,7 +49,7 @@ double solid_angle(const Vec<3>& u, const Vec<3>& v, const Vec<3>& w) {
 }
 
 double size_of(const Patch& patch, int m) {
-    const auto [a, b] = longest_edge(patch, m);
+    const auto [a, b] = longest_edge(patch, {m, 0, 0});
     return length(patch[b] - patch[a]);
 }
 

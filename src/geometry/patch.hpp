@@ -10,9 +10,10 @@
 #include "base/small_matrix.hpp"
 #include "geometry/bezier.hpp"
 #include "geometry/box_tree.hpp"
-#include "mesh/mesh.hpp"
 
 namespace almesh {
+
+struct Mesh;
 
 // Bezier points, those of simplices in Gmsh's order: the corners come first. In 2D the third coordinate is 0.
 using Patch = std::vector<Vec<3>>;

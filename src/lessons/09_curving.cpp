@@ -12,6 +12,7 @@
 
 #include "energy/plain_energy.hpp"
 #include "geometry/element_jacobian.hpp"
+#include "mesh/lagrange.hpp"
 #include "mesh/quadrature.hpp"
 
 using namespace almesh;
@@ -102,7 +103,7 @@ void certify(const std::vector<double>& b) {
             lower = std::min(lower, least(piece.b));
             upper = std::min(upper, least({piece.b[0], piece.b[1], piece.b[2]}));
             if (least(piece.b) > 0) continue;
-            const auto [i, j] = longest_edge(piece.corner, 2);
+            const auto [i, j] = longest_edge(piece.corner, {2, 0, 0});
             Piece near_i = piece, near_j = piece;
             for (int k = 0; k < 3; ++k)
                 near_i.corner[j][k] = near_j.corner[i][k] = 0.5 * (piece.corner[i][k] + piece.corner[j][k]);

@@ -374,8 +374,6 @@ std::string name_of(const RawElement& element) {
     return concat("element ", element.id, element.line ? concat(" (line ", element.line, ")") : "");
 }
 
-std::string entity_kind(int dim) { return dim == 1 ? "curve" : dim == 2 ? "surface" : "volume"; }
-
 std::vector<std::array<int, 2>> fill_boundary(MeshBuild& build) {
     BoundaryMatcher matcher(build);
     Matched all = matcher.match();

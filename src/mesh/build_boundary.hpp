@@ -39,7 +39,6 @@ struct MeshBuild {
 };
 
 std::string name_of(const RawElement& element);  // "element 12 (line 40)", "element 12" of a binary file
-std::string entity_kind(int dim);                // Gmsh's word: curve, surface or volume
 
 // Fills the faces of the mesh, whose nodes and elements are there already. Those in no group are the boundary
 // `untagged`, or where all are, connected parts `boundary-1`, ..., with the ids and entities of the file's untagged

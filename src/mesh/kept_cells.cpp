@@ -6,7 +6,7 @@
 
 namespace almesh {
 
-Subcells::Subcells(const Mesh& mesh) : mesh_(mesh), of_cell_(bases_of(mesh)) {
+Subcells::Subcells(const Mesh& mesh) : mesh_(mesh), of_cell_(bases_of(mesh.element_groups(), mesh.degree)) {
     for (const CellType& cell : cell_types()) order_.push_back(gmsh_node_order(cell, mesh.degree));
 }
 

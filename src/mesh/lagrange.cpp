@@ -4,11 +4,11 @@
 #include "mesh/lagrange.hpp"
 
 #include <algorithm>
-#include <array>
 #include <numeric>
 
 #include "base/index.hpp"
 #include "linalg/dense_solve.hpp"
+#include "mesh/mesh.hpp"
 
 namespace almesh {
 namespace {
@@ -192,10 +192,10 @@ std::vector<int> LagrangeBasis::face_nodes(int k) const {
     return nodes_of(cell.face_type(k), gmsh_node_order(cell.face_type(k), degree), cell.faces[k].data());
 }
 
-std::vector<std::vector<int>> LagrangeBasis::face_nodes() const {
-    std::vector<std::vector<int>> of_faces;
-    for (int k = 0; k < static_cast<int>(cell.faces.size()); ++k) of_faces.push_back(face_nodes(k));
-    return of_faces;
+std::vector<LagrangeBasis> bases_of(const std::vector<ElementGroup>& groups, int degree) {
+    std::vector<LagrangeBasis> bases;
+    for (const ElementGroup& group : groups) bases.emplace_back(*group.cell, degree);
+    return bases;
 }
 
 }  // namespace almesh

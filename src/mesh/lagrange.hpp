@@ -10,11 +10,14 @@
 //
 // B_i^m the Bernstein polynomials of degree m: the pyramid's own Bernstein form, with an index for each node.
 #pragma once
+#include <array>
 #include <vector>
 
-#include "mesh/mesh.hpp"
+#include "mesh/cells.hpp"
 
 namespace almesh {
+
+struct ElementGroup;
 
 struct LagrangeBasis {
     const CellType& cell;
@@ -43,9 +46,8 @@ struct LagrangeBasis {
     std::vector<int> nodes_of(const CellType& part, const std::vector<MultiIndex>& order, const int* vertices) const;
 
     // Nodes on face k, in the Gmsh order of its type, oriented so that the normal of the face
-    // points out of a positively oriented element; and those of all faces.
+    // points out of a positively oriented element.
     std::vector<int> face_nodes(int k) const;
-    std::vector<std::vector<int>> face_nodes() const;
 
     int find(const MultiIndex& a) const;  // index of a node, or -1
 
@@ -63,13 +65,7 @@ private:
     std::vector<double> to_bernstein_;
 };
 
-// Of groups of elements or faces.
-inline std::vector<LagrangeBasis> bases_of(const std::vector<ElementGroup>& groups, int degree) {
-    std::vector<LagrangeBasis> bases;
-    for (const ElementGroup& group : groups) bases.emplace_back(*group.cell, degree);
-    return bases;
-}
-inline std::vector<LagrangeBasis> bases_of(const Mesh& mesh) { return bases_of(mesh.element_groups(), mesh.degree); }
-inline std::vector<LagrangeBasis> face_bases_of(const Mesh& mesh) { return bases_of(mesh.face_groups(), mesh.degree); }
+// Of the groups of elements or faces, of one type each.
+std::vector<LagrangeBasis> bases_of(const std::vector<ElementGroup>& groups, int degree);
 
 }  // namespace almesh

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/index.hpp"
 #include "mesh/lagrange.hpp"
 #include "mesh/quadrature_table.hpp"
 

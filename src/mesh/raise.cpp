@@ -2,10 +2,8 @@
 // them. A node is identified by the vertices of the edge, face or element it lies in and its barycentric coordinates there.
 #include <unordered_map>
 
-#include "base/error.hpp"
 #include "mesh/kept_cells.hpp"
 #include "mesh/lagrange.hpp"
-#include "mesh/mesh.hpp"
 #include "mesh/node_key.hpp"
 #include "mesh/sides.hpp"
 

@@ -12,12 +12,10 @@
 #include <numeric>
 #include <utility>
 
-#include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "linalg/ordering/graph.hpp"
 #include "mesh/kept_cells.hpp"
 #include "mesh/lagrange.hpp"
-#include "mesh/mesh.hpp"
 #include "mesh/node_key.hpp"
 #include "mesh/sides.hpp"
 
@@ -323,7 +321,8 @@ Mesh refine(const Mesh& mesh, int times) {
 
 std::vector<double> prolong(const Mesh& coarse, const std::vector<double>& coarse_ideal, const Mesh& fine,
                             const std::vector<double>& fine_ideal, const std::vector<double>& field) {
-    const std::vector<LagrangeBasis> bases = bases_of(coarse), linear = bases_of(coarse.element_groups(), 1);
+    const std::vector<LagrangeBasis> bases = bases_of(coarse.element_groups(), coarse.degree),
+                                     linear = bases_of(coarse.element_groups(), 1);
     const std::vector<int> element = element_of_nodes(fine);
     std::vector<int> parent(coarse.element_count());  // element of `coarse` that each one of `fine` is in
     std::iota(parent.begin(), parent.end(), 0);

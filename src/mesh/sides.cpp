@@ -6,7 +6,9 @@ SideNodes::SideNodes(int dim, int degree) {
     for (const CellType& cell : cell_types()) {
         if (cell.dim != dim) continue;
         if (static_cast<int>(nodes_.size()) <= cell.vertices) nodes_.resize(cell.vertices + 1);
-        nodes_[cell.vertices] = LagrangeBasis(cell, degree).face_nodes();
+        const LagrangeBasis basis(cell, degree);
+        for (std::size_t k = 0; k < cell.faces.size(); ++k)
+            nodes_[cell.vertices].push_back(basis.face_nodes(static_cast<int>(k)));
     }
 }
 

@@ -7,9 +7,6 @@
 
 namespace almesh {
 
-SubSimplices::SubSimplices(const CellType& cell, int cell_degree)
-    : SubSimplices(cell, cell_degree, cell.is_simplex() ? cell_degree : 2 * cell_degree) {}
-
 SubSimplices::SubSimplices(const CellType& cell, int cell_degree, int degree_)
     : degree(degree_),
       nodes(simplex_node_count(cell.dim, degree)),

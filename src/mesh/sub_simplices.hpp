@@ -21,7 +21,6 @@ struct SubSimplices {
     std::vector<CellChild> vertices;       // of each simplex: vertices of the cell, dim + 1 entries, same orientation
     std::vector<std::vector<double>> map;  // of each simplex: S, nodes x cell_nodes, in Gmsh's order of both
 
-    SubSimplices(const CellType& cell, int cell_degree);
     SubSimplices(const CellType& cell, int cell_degree, int degree);  // of a lower degree they interpolate the cell
 
     int count() const { return static_cast<int>(vertices.size()); }

@@ -64,10 +64,8 @@ Mesh as_in_file(Mesh mesh) {
         std::copy(nodes.begin(), nodes.end(), mesh.faces.begin() + static_cast<std::ptrdiff_t>(start));
     }
     std::vector<int> turned;
-    for (std::size_t e = 0; e < mesh.file.element_winding.size(); ++e) {
-        if (mesh.file.element_winding[e] == 0) continue;
-        turned.push_back(static_cast<int>(e));
-    }
+    for (std::size_t e = 0; e < mesh.file.element_winding.size(); ++e)
+        if (mesh.file.element_winding[e] != 0) turned.push_back(static_cast<int>(e));
     reverse(mesh, turned);
     return mesh;
 }

@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "check/certificate.hpp"
+#include "geometry/patch.hpp"
 #include "mesh/build.hpp"
 
 namespace almesh {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "mesh/part.hpp"
 #include "problem/best_power.hpp"
 #include "problem/corner_smoothing.hpp"
 #include "problem/curving.hpp"

@@ -4,6 +4,7 @@
 #include <limits>
 #include <set>
 
+#include "mesh/part.hpp"
 #include "report/results.hpp"
 #include "deck/deck_checks.hpp"
 #include "problem/problem.hpp"

@@ -23,7 +23,8 @@ namespace {
 // the volume that it stands for.
 template <class Visit>
 void for_cells(const Mesh& mesh, int boundary, const Visit& visit) {
-    const std::vector<LagrangeBasis> of_face = face_bases_of(mesh), of_element = bases_of(mesh);
+    const std::vector<LagrangeBasis> of_face = bases_of(mesh.face_groups(), mesh.degree),
+                                     of_element = bases_of(mesh.element_groups(), mesh.degree);
     for (int f = 0; f < mesh.face_count(); ++f)
         if (mesh.boundaries[mesh.face_boundary[f]] == mesh.boundaries[boundary])
             visit(mesh.face(f), of_face[mesh.face_group_number(f)]);
@@ -175,7 +176,7 @@ void place_face(const Mesh& mesh, int f, const LagrangeBasis& own, const RawMesh
 
 void read_faces_of_mesh(const Mesh& mesh, int boundary, const RawMesh& other, std::vector<double>& positions) {
     const int degree = degree_of(other);
-    const std::vector<LagrangeBasis> own = face_bases_of(mesh);
+    const std::vector<LagrangeBasis> own = bases_of(mesh.face_groups(), mesh.degree);
     std::vector<LagrangeBasis> of_other;
     for (const LagrangeBasis& basis : own) of_other.emplace_back(basis.cell, degree);
     const auto faces = faces_of(other, mesh.dim, degree, nodes_by_id(mesh, boundary));

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "constraint/sliding.hpp"
 #include "mesh/build.hpp"
 #include "support/high_order.hpp"
 #include "support/meshes.hpp"

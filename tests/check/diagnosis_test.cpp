@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "check/injectivity.hpp"
 #include "support/meshes.hpp"
 #include "support/minimisation.hpp"
 

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "check/certificate.hpp"
+#include "geometry/patch.hpp"
 #include "support/meshes.hpp"
 #include "support/program.hpp"
 #include "support/solids.hpp"

@@ -1,3 +1,4 @@
+#include "check/certificate.hpp"
 #include "check/injectivity.hpp"
 
 #include <doctest/doctest.h>

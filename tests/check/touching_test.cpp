@@ -5,7 +5,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "check/certificate.hpp"
 #include "check/injectivity.hpp"
+#include "check/target_check.hpp"
 #include "mesh/build.hpp"
 #include "support/high_order.hpp"
 #include "support/meshes.hpp"

@@ -1,3 +1,4 @@
+#include "constraint/sliding.hpp"
 #include "constraint/sliding_nodes.hpp"
 
 #include <doctest/doctest.h>

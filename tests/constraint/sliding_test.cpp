@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "constraint/sliding_boundary.hpp"
+#include "constraint/sliding_nodes.hpp"
 #include "linalg/vector_ops.hpp"
 #include "mesh/part.hpp"
 #include "method/augmented_lagrangian.hpp"

@@ -1,3 +1,4 @@
+#include "constraint/sliding.hpp"
 #include "constraint/trace_space.hpp"
 
 #include <doctest/doctest.h>

@@ -1,4 +1,5 @@
 #include "geometry/bezier.hpp"
+#include "mesh/lagrange.hpp"
 
 #include <doctest/doctest.h>
 

@@ -7,6 +7,7 @@
 
 #include "geometry/closest_point.hpp"
 #include "mesh/build.hpp"
+#include "mesh/lagrange.hpp"
 #include "support/meshes.hpp"
 #include "support/solids.hpp"
 

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "mesh/lagrange.hpp"
+#include "mesh/mesh.hpp"
 #include "support/patches.hpp"
 
 using namespace almesh;

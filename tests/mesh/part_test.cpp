@@ -54,7 +54,9 @@ TEST_CASE("the boundary of a part is closed and oriented outward: its own faces,
             const Mesh part = part_of(mesh, chosen, "cut");
             CHECK(part.boundaries.back() == "cut");
             REQUIRE(part.boundaries.size() == mesh.boundaries.size() + 1);
-            const auto local = LagrangeBasis(mesh.dim, degree).face_nodes();
+            const LagrangeBasis basis(mesh.dim, degree);
+            std::vector<std::vector<int>> local;
+            for (int k = 0; k <= mesh.dim; ++k) local.push_back(basis.face_nodes(k));
             int cut_faces = 0;
             Vec<3> sum{};  // of the normals of the straight faces: zero for a closed boundary
             for (int f = 0; f < part.face_count(); ++f) {

@@ -6,7 +6,6 @@
 #include <set>
 
 #include "mesh/build.hpp"
-#include "mesh/lagrange.hpp"
 #include "mesh/sides.hpp"
 #include "support/high_order.hpp"
 #include "support/meshes.hpp"
@@ -82,13 +81,13 @@ void check_conforming(const Mesh& mesh) {
         outer += equal.size() == 1;
     });
     CHECK(outer == mesh.face_count());
-    const auto of_face = LagrangeBasis(mesh.dim, mesh.degree).face_nodes();
+    const SideNodes local(mesh.dim, mesh.degree);
     for (int f = 0; f < mesh.face_count(); ++f) {
         const int* const element = mesh.element(mesh.face_element[f]);
         const int side = side_number(mesh, mesh.face_element[f], mesh.face_vertices(f));
         REQUIRE(side >= 0);
         std::set<int> in_element, in_face(mesh.face(f), mesh.face(f) + mesh.face_nodes(0));
-        for (const int k : of_face[side]) in_element.insert(element[k]);
+        for (const int k : local.of(mesh.cell(), side)) in_element.insert(element[k]);
         CHECK(in_element == in_face);
     }
 }

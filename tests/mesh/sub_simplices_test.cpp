@@ -30,7 +30,7 @@ std::vector<double> field_at_nodes(const LagrangeBasis& basis) {
 TEST_CASE("the two triangles of a quadrilateral have its map") {
     for (int degree = 1; degree <= 4; ++degree) {
         const LagrangeBasis of_cell(quadrilateral(), degree), of_triangle(2, 2 * degree);
-        const SubSimplices parts(quadrilateral(), degree);
+        const SubSimplices parts(quadrilateral(), degree, 2 * degree);
         REQUIRE(parts.count() == 2);
         CHECK(parts.degree == 2 * degree);
         const std::vector<double> u = field_at_nodes(of_cell);
@@ -51,7 +51,7 @@ TEST_CASE("the two triangles of a quadrilateral have its map") {
 TEST_CASE("vertices of the parts are those of the cell to the last bit, the simplex is its own part") {
     for (int degree = 1; degree <= 4; ++degree)
         for (const CellType* cell : {&quadrilateral(), &simplex(2), &simplex(3)}) {
-            const SubSimplices parts(*cell, degree);
+            const SubSimplices parts(*cell, degree, cell->is_simplex() ? degree : 2 * degree);
             for (int k = 0; k < parts.count(); ++k)
                 for (int v = 0; v <= cell->dim; ++v)
                     for (int j = 0; j < parts.cell_nodes; ++j)

@@ -1,3 +1,4 @@
+#include "constraint/motion.hpp"
 #include "report/results.hpp"
 
 #include <doctest/doctest.h>
