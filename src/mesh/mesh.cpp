@@ -10,6 +10,13 @@
 
 namespace almesh {
 
+Mesh::Mesh() = default;
+Mesh::Mesh(const Mesh& other) = default;
+Mesh::Mesh(Mesh&& other) noexcept = default;
+Mesh& Mesh::operator=(const Mesh& other) = default;
+Mesh& Mesh::operator=(Mesh&& other) noexcept = default;
+Mesh::~Mesh() = default;
+
 int Mesh::boundary_index(const std::string& name) const {
     const auto it = std::find(boundaries.begin(), boundaries.end(), name);
     return it == boundaries.end() ? -1 : static_cast<int>(it - boundaries.begin());

@@ -42,6 +42,14 @@ struct Mesh {
     std::array<KeptCells, 5> kept{};  // simplices by dimension, up to that of the mesh, and in 3D quadrilaterals
     FileTags file;
 
+    // In mesh.cpp, so that no other unit compiles what all of these take.
+    Mesh();
+    Mesh(const Mesh& other);
+    Mesh(Mesh&& other) noexcept;
+    Mesh& operator=(const Mesh& other);
+    Mesh& operator=(Mesh&& other) noexcept;
+    ~Mesh();
+
     bool is_simplicial() const { return groups.empty(); }
     const CellType& cell(int e) const { return groups.empty() ? simplex(dim) : *group_of(e).cell; }
     int nodes() const { return static_cast<int>(x.size()) / dim; }
