@@ -21,12 +21,13 @@ COMMIT    := $(shell git describe --always --dirty --exclude '*' 2>/dev/null || 
 FLAGS     := -std=c++20 -fno-math-errno -ffp-contract=off $(CXXFLAGS) $(OPENMP) $(WARNINGS) $(WERROR) $(NO_OPENMP) -Isrc -Itests
 SOURCES   := $(shell find src -name '*.cpp' -not -path 'src/lessons/*' -not -path 'src/examples/*' | sort)
 OBJECTS   := $(SOURCES:%.cpp=$(BUILD)/%.o)
-# Programs wait for what computes, and what is done once per run takes little time: neither needs much optimisation. Of
-# an inline function that is not inlined the linker takes the first object's: an optimised one.
-MADE_ONCE := $(addprefix mesh/,build.o build_boundary.o build_kept.o inner_boundary.o raise.o refine.o split.o)
-WAITING   := $(filter $(addprefix $(BUILD)/src/,main.o app/% deck/% report/% io/% problem/% $(MADE_ONCE)),$(OBJECTS))
-WAITING   := $(filter-out %/corner_smoothing.o,$(WAITING))
-COMPUTING := $(filter-out $(WAITING),$(OBJECTS))
+# Programs wait for what computes, and all else takes little time in a run: it needs little optimisation. Of an inline
+# function that is not inlined the linker takes the first object's: an optimised one.
+HOT       := linalg/% energy/% geometry/% check/certificate.o problem/corner_smoothing.o \
+             $(addprefix constraint/,dirichlet.o sliding%.o surface.o quadric.o mesh_surface.o height_patch.o) \
+             $(addprefix method/,newton.o line_search.o local_%.o)
+COMPUTING := $(filter $(addprefix $(BUILD)/src/,$(HOT)),$(OBJECTS))
+WAITING   := $(filter-out $(COMPUTING),$(OBJECTS))
 LIBRARY   := $(filter-out $(BUILD)/src/main.o,$(COMPUTING) $(WAITING))
 TESTS     := $(shell find tests -name '*.cpp' -not -path 'tests/bench/*' -not -path 'tests/lessons/*' \
                -not -name libfuzzer.cpp | sort)
@@ -239,11 +240,6 @@ $(BUILD)/examples/%: $(BUILD)/src/examples/%.o $(BUILD)/libalmesh.a
 	$(Q)$(CXX) $(FLAGS) $^ $(GOMP) -o $@
 
 $(BUILD)/lessons/%: $(BUILD)/src/lessons/%.o $(BUILD)/libalmesh.a
-	@mkdir -p $(@D)
-	$(call said,LINK,$@)
-	$(Q)$(CXX) $(FLAGS) $^ $(GOMP) -o $@
-
-$(BUILD)/examples/%: $(BUILD)/src/examples/%.o $(BUILD)/libalmesh.a
 	@mkdir -p $(@D)
 	$(call said,LINK,$@)
 	$(Q)$(CXX) $(FLAGS) $^ $(GOMP) -o $@
