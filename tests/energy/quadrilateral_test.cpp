@@ -60,7 +60,7 @@ TEST_CASE("quadrilaterals have no distortion where they are, and a stretch has t
 
 TEST_CASE("both assemblies agree on quadrilaterals, with refined quadratures and in parts") {
     for (const Mesh& mesh : meshes())
-        for (const Objective objective : objectives) {
+        for (const Objective objective : all_objectives) {
             const std::vector<double> x = wavy(stretched(mesh.x), 2, 0.02);
             const auto simd = make_energy(mesh, mesh.x, with(objective)),
                        plain = make_energy(mesh, mesh.x, with(objective, Assembly::plain));

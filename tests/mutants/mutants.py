@@ -107,7 +107,7 @@ def build(tree, jobs, tests=()):
     environment = {**os.environ, "MAKELEVEL": "1"}
     environment.pop("MAKEFLAGS", None)
     command = ["make", f"-j{jobs}", f"CXX={compiler}", "CXXFLAGS=-O1 -march=native", "COMMIT=mutants", "BUILD=build",
-               "build/almesh-tests"]
+               "JOINED=no", "build/almesh-tests"]
     if tests:
         support = [str(path.relative_to(ROOT)) for path in sorted((ROOT / "tests/support").glob("*.cpp"))]
         command.append("TESTS=" + " ".join(["tests/main.cpp", *support, *tests]))

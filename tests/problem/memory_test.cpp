@@ -1,9 +1,6 @@
 #include "problem/memory.hpp"
 
 #include <doctest/doctest.h>
-#ifdef __GLIBC__
-#include <malloc.h>
-#endif
 
 #include <memory>
 #include <string>
@@ -12,6 +9,7 @@
 #include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "energy/distortion_energy.hpp"
+#include "support/heap.hpp"
 #include "support/meshes.hpp"
 #include "support/ring_deck.hpp"
 #include "support/solids.hpp"
@@ -31,16 +29,6 @@ TEST_CASE("the blocks of the Hessian are counted as its pattern has them, in eve
 }
 
 namespace {
-
-// Bytes in use on the heap; 0 where the C library does not count them.
-double allocated() {
-#ifdef __GLIBC__
-    const struct mallinfo2 all = mallinfo2();
-    return static_cast<double>(all.uordblks + all.hblkhd);
-#else
-    return 0;
-#endif
-}
 
 // The run's arrays at its first Newton step, when all of them are there, over what is predicted for them.
 double arrays_over_prediction(const Mesh& base, int degree, const std::string& solver) {

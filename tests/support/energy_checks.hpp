@@ -10,7 +10,7 @@
 namespace almesh::test {
 
 inline constexpr Assembly assemblies[] = {Assembly::simd, Assembly::plain};
-inline constexpr Objective objectives[] = {Objective::squared, Objective::deviation, Objective::size_shape,
+inline constexpr Objective all_objectives[] = {Objective::squared, Objective::deviation, Objective::size_shape,
                                     Objective::minimax};
 
 inline DistortionParams with(Objective objective, Assembly assembly = Assembly::simd, double alpha = 0.5) {
