@@ -50,7 +50,7 @@ std::vector<std::string> all_decks() {
 
 }  // namespace
 
-TEST_CASE("every deck gives the same bits with 1 and 3 threads") {
+TEST_CASE("every deck gives the same bits with 1 and 3 threads" * doctest::test_suite("long")) {
     if (!std::filesystem::is_directory("inputs")) {
         MESSAGE("no folder inputs here: run the tests from the repository's top folder");
         return;

@@ -470,7 +470,9 @@ TEST_CASE("numbers that make no sense at some time, and keys that do not go with
     CHECK(has(error_of({"local_repair=1", "boundary inner=fixed", "frames=0,1"}), "frames does not go with local"));
 }
 
-TEST_CASE("a run of frames killed at fifty random moments and resumed ends with the same bits") {
+namespace {
+
+void check_killed(int times) {
     const RingDeck ring(ring_mesh(24, 6, 6));
     const std::vector<std::string> settings = {pitch_and_plunge, "frames=0:0.125:2", "vtk=none", "degree=2"};
     const auto bits = [&] {
@@ -490,12 +492,12 @@ TEST_CASE("a run of frames killed at fifty random moments and resumed ends with 
     std::mt19937 random(20261126);
     std::vector<std::string> resumed = settings;
     resumed.push_back("resume=1");
-    for (int kills = 0; kills < 50;) {
+    for (int kills = 0; kills < times;) {
         REQUIRE(ring.run({"frames=0"}).code == 0);  // something else in the folder
         int code = -SIGKILL;
         for (bool first = true; code == -SIGKILL; first = false) {
             code = in_child([&] { return ring.run(first ? settings : resumed).code; }, [&](pid_t child) {
-                if (kills >= 50) return;
+                if (kills >= times) return;
                 std::this_thread::sleep_for(std::chrono::duration<double>(moment(random)));
                 kill(child, SIGKILL);
             });
@@ -504,6 +506,14 @@ TEST_CASE("a run of frames killed at fifty random moments and resumed ends with 
         CHECK(code == 0);
         CHECK(bits() == whole);
     }
+}
+
+}  // namespace
+
+TEST_CASE("a run of frames killed at some random moments and resumed ends with the same bits") { check_killed(10); }
+
+TEST_CASE("a run of frames killed at fifty random moments and resumed ends with the same bits" * doctest::test_suite("long")) {
+    check_killed(50);
 }
 
 TEST_CASE("history.csv has the iterations of all frames that are solved anew, also after a resume") {
