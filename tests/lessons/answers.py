@@ -136,12 +136,21 @@ def back(name):
             "get the template again from where the course came from")
 
 
+def compiler(build):
+    """The Makefile's command for what waits for the library: it optimises little, and reads once what most files include
+    of the standard library."""
+    flags, prefix = shlex.split((build / "flags").read_text()), build / "prefix" / "waiting.hpp"
+    little = ["-O1"] if {"-O2", "-O3"} & set(flags) else []
+    read_once = ["-include", prefix] if prefix.with_suffix(".hpp.gch").exists() else []
+    return [*flags, "-Wno-error", *little, *read_once]
+
+
 def compiled(answers, limits):
     """"" or why there is no program."""
     name = shown(answers.source)
     if not answers.source.is_file():
         return f"{name} is missing: {back(name)}"
-    number, program, flags = answers.number, answers.program, (answers.build / "flags").read_text()
+    number, program = answers.number, answers.program
     if header := foreign_header(answers):
         return f"{name} includes \"{header}\": an answer stands on the standard library and on {number}.hpp"
     objects = answers.build / "tests" / "lessons"
@@ -157,7 +166,7 @@ def compiled(answers, limits):
     begun = time.time_ns()
     with tempfile.TemporaryDirectory() as folder:
         log, new = Path(folder) / "log", Path(folder) / "program"
-        command = [*shlex.split(flags), "-Wno-error", answers.source, *parts, "-o", new]
+        command = [*compiler(answers.build), answers.source, *parts, "-o", new]
         with log.open("wb") as output:
             code = run(command, ROOT, limits.compilation, [(resource.RLIMIT_FSIZE, 512 * MEGABYTE)], output)
         if code is None:

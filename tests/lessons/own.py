@@ -15,7 +15,6 @@ import argparse
 import csv
 import io
 import re
-import shlex
 import shutil
 import subprocess
 import sys
@@ -121,12 +120,12 @@ def newest(paths):
     return max(path.stat().st_mtime for path in paths)
 
 
-def compiled(source, target, flags, used):
+def compiled(source, target, command, used):
     """target, made of source; Problem where that does not compile."""
     if target.exists() and target.stat().st_mtime > newest([source, *used]):
         return target
     target.parent.mkdir(parents=True, exist_ok=True)
-    command = [*shlex.split(flags), "-Wno-error", "-c", source, "-o", target]
+    command = [*command, "-c", source, "-o", target]
     done = subprocess.run(command, cwd=ROOT, text=True, capture_output=True)
     if done.returncode != 0:
         errors = [line for line in done.stderr.splitlines() if "error" in line] or ["no reason given"]
@@ -142,7 +141,7 @@ def sources(kind, choice):
 
 def linked(files, choice, build):
     """The program."""
-    flags, own = (build / "flags").read_text(), build / "lessons" / "own"
+    command, own = grader.compiler(build), build / "lessons" / "own"
     headers = [*(ROOT / "src" / "lessons").glob("*.hpp"), *(ROOT / "src" / "lessons" / "own").glob("*.hpp"),
                *(ROOT / "src" / "lessons" / "exercises").glob("*.hpp"), build / "flags"]
     missing = next((source for source in files if not source.is_file()), None)
@@ -151,13 +150,13 @@ def linked(files, choice, build):
     borrowed = " ".join(choice.borrowed)
     objects = [compiled(ROOT / "src" / "lessons" / "own" / "parts.cpp",
                         own / f"parts-{'-'.join(choice.borrowed) or 'all'}.o",
-                        f"""{flags} '-DBORROWED="{borrowed}"'""", headers)]
+                        [*command, f'-DBORROWED="{borrowed}"'], headers)]
     for source in files:
         name = f"{source.parent.name}-{source.stem}.o"
-        objects.append(compiled(source, own / name, f"{flags} -Dlessons=lesson_{source.stem}", headers))
+        objects.append(compiled(source, own / name, [*command, f"-Dlessons=lesson_{source.stem}"], headers))
     made = [build / "src" / "lessons" / "own" / f"{name}.o" for name in ("almesh", "rehearsal")]
     program = own / "own-almesh"
-    command = [*shlex.split(flags), *made, *objects, build / "libalmesh.a", "-o", program]
+    command = [*command, *made, *objects, build / "libalmesh.a", "-o", program]
     done = subprocess.run(command, cwd=ROOT, text=True, capture_output=True)
     if done.returncode == 0:
         return program
