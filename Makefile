@@ -114,12 +114,12 @@ PREFIXED  := $(filter-out $(BUILD)/tests/main.o $(FUZZ_OBJECTS),$(TEST_OBJECTS))
 SAMPLING  := $(filter $(BUILD)/tests/rooms/check.o $(BUILD)/tests/check/%,$(TEST_OBJECTS))
 PREFIX    := $(if $(findstring ccache,$(CXX)),,$(BUILD)/prefix)
 $(WAITING) $(LESSON_OBJECTS): OWN_FLAGS = $(LITTLE) $(PREFIX:%=-include %/waiting.hpp)
-$(COMPUTING): OWN_FLAGS = $(PREFIX:%=-include %/computing.hpp)
+$(COMPUTING) $(BENCH_OBJECTS): OWN_FLAGS = $(PREFIX:%=-include %/computing.hpp)
 $(TEST_OBJECTS): OWN_FLAGS = $(OF_TESTS)
 $(PREFIXED): OWN_FLAGS = $(OF_TESTS) -iquote . $(PREFIX:%=-include %/tests.hpp)
 $(SAMPLING): OWN_FLAGS = $(OF_TESTS) $(LITTLE) -iquote . $(PREFIX:%=-include %/waiting.hpp)
 $(WAITING) $(LESSON_OBJECTS) $(SAMPLING): $(PREFIX:%=%/waiting.hpp.gch)
-$(COMPUTING): $(PREFIX:%=%/computing.hpp.gch)
+$(COMPUTING) $(BENCH_OBJECTS): $(PREFIX:%=%/computing.hpp.gch)
 $(PREFIXED): $(PREFIX:%=%/tests.hpp.gch)
 $(BUILD)/prefix/waiting.hpp.gch: OF_PREFIX = $(LITTLE)
 $(BUILD)/prefix/tests.hpp.gch: OF_PREFIX = $(OF_TESTS) -include doctest/doctest.h
@@ -143,9 +143,9 @@ $(BUILD)/flags: FORCE
 run: almesh ## move the circle of section 4.1 and print its table
 	./almesh inputs/circle.deck
 
-test: doctest python numpy ## build with warnings as errors and run all tests (installs doctest if it is missing)
+test: doctest python numpy ## build with warnings as errors and run the tests (LONG=1: the long ones too; installs doctest)
 	tests/mutants/mutants.py --check
-	$(MAKE) run-fast-tests run-oracle lessons $(BUILD)/almesh-bench
+	$(MAKE) $(if $(LONG),long-tests) run-fast-tests run-oracle lessons $(BUILD)/almesh-bench
 	@! find $(BUILD) -name '*.o.log' -size +0 | grep . || { echo 'the compiler warned: see these files'; exit 1; }
 	@tests/house.py
 

@@ -7,8 +7,8 @@
 
 Each is built with warnings as errors in a folder of its own, build-matrix/NAME, where log.txt has what was printed.
 Tests: all, or the fast ones of the Makefile (`make run-fast-tests`), counted as doctest counts them. Decks: the quick
-ones of tests/reproduce.py against the committed reference, with 1, 2 and 3 threads; in brackets those that come out the
-same to the last bit. What a machine lacks is reported as `not here`, with the packages (Debian's names) that bring it,
+ones of tests/reproduce.py against the committed reference, with 1, 2 and 3 threads (--quick: with 2, as `make long-tests`
+compares threads); in brackets those that come out the same to the last bit. What a machine lacks is reported as `not here`, with the packages (Debian's names) that bring it,
 and neither as passed nor as failed.
 
 Exit code 1 where something that is here failed. Standard library only.
@@ -91,7 +91,7 @@ def passed_of(printed):
     return sum(int(passed) for _, passed in runs), sum(int(cases) for cases, _ in runs)
 
 
-def check(one, tests):
+def check(one, tests, threads):
     """(cells of its row, whether nothing failed)"""
     folder = ROOT / "build-matrix" / one.name
     folder.mkdir(parents=True, exist_ok=True)
@@ -112,7 +112,7 @@ def check(one, tests):
         cells.append("-")
     command = [*one.under.split(), str(folder / "almesh")]
     with (folder / "log.txt").open("a") as log:
-        values, faults = reproduce.reproduce(command, reproduce.QUICK, one.threads,
+        values, faults = reproduce.reproduce(command, reproduce.QUICK, threads,
                                         lambda line: print(line, file=log, flush=True))
     same = sum(not fault for fault in faults.values())
     reference = reproduce.read_reference()
@@ -143,7 +143,7 @@ def main():
     good = True
     for one in chosen:
         begin = time.monotonic()
-        cells, passed = check(one, (one.quick or "") if options.quick else one.tests)
+        cells, passed = check(one, *((one.quick or "", (2,)) if options.quick else (one.tests, one.threads)))
         seconds = time.monotonic() - begin
         good = good and passed
         if len(cells) == 1:

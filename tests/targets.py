@@ -158,7 +158,7 @@ class Runner:
                 subprocess.run(self.filled(target.before), shell=True, cwd=ROOT, stdout=out, stderr=out)
             process = subprocess.Popen(command, cwd=cwd, stdout=out, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
                                        start_new_session=True, env=ENVIRONMENT)
-            code = self.ended(process, 15 if target.waits else PATIENCE[target.size])
+            code = self.ended(process, 6 if target.waits else PATIENCE[target.size])
         if code == (None if target.waits else 0):
             return "works", True
         lines = log.read_text(errors="replace").strip().splitlines()
