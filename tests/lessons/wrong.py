@@ -160,18 +160,39 @@ def functions(lesson):
     return places
 
 
-def test_broken(lesson, number, place, kind, build, failures):
-    """One answer that is broken in the way `kind` (as in KINDS)."""
-    line, says, everywhere = kind
+def test_broken(lesson, broken, build, failures):
+    """One program with answers that are broken; broken: [(exercise, place in the solution, one of KINDS)]."""
     source, decks = solved(lesson)
-    rows = graded(lesson, INCLUDES + source[:place] + "\n    " + line + "\n" + source[place:], decks, build, TIGHT)
+    for _, place, (line, _, _) in sorted(broken, key=lambda one: -one[1]):
+        source = source[:place] + "\n    " + line + "\n" + source[place:]
+    kinds = {number: kind for number, _, kind in broken}
+    whole = next((kind for kind in kinds.values() if kind[2]), None)
+    rows = graded(lesson, INCLUDES + source, decks, build, TIGHT)
     for row in rows:
-        broken = everywhere or row.number == number
-        if broken and says not in row.message:
-            failures.append(f"{number} with `{line}`: row {row.number} does not say `{says}`: {row.message}")
-        if not broken and not row.holds and needs_little(row.number):
-            failures.append(f"{number} with `{line}`: the sound answer {row.number} is refused: {row.message}")
+        line, says, _ = whole or kinds.get(row.number, ("", "", False))
+        if line and says not in row.message:
+            failures.append(f"row {row.number} with `{line}` does not say `{says}`: {row.message}")
+        if not line and not row.holds and needs_little(row.number):
+            failures.append(f"beside {list(kinds)} with {list(kinds.values())} the sound answer {row.number} is "
+                            f"refused: {row.message}")
     whole_table(rows, failures)
+
+
+def broken_programs(lessons, every):
+    """[(lesson, broken answers)]: a hundred of one answer each, or else one of each kind, those that do not keep a program
+    from being compiled together where they are answers to one lesson."""
+    places = [(lesson, number, place) for lesson in lessons for number, place in functions(lesson).items()]
+    if every:
+        chosen = [(places[k * len(places) // BROKEN], KINDS[k % len(KINDS)]) for k in range(BROKEN)]
+        return [(lesson, [(number, place, kind)]) for (lesson, number, place), kind in chosen]
+    found, together = [], {}
+    for k, kind in enumerate(KINDS):
+        lesson, number, place = places[k % len(places)]
+        if kind[2] or number in (one[0] for one in together.get(lesson, [])):
+            found.append((lesson, [(number, place, kind)]))
+        else:
+            together.setdefault(lesson, []).append((number, place, kind))
+    return found + list(together.items())
 
 
 def needs_little(number):
@@ -252,16 +273,16 @@ def main():
     lessons = [lesson for lesson in LESSONS if not options.lesson or lesson.name[:2] in options.lesson]
     failures = []
     wrong = sum(test_wrong(lesson, build, range(PER_EXERCISE if options.all else 1), failures) for lesson in lessons)
-    places = [(lesson, number, place) for lesson in lessons for number, place in functions(lesson).items()]
-    count = BROKEN if options.all else len(KINDS)
-    for k in range(count):
-        test_broken(*places[k * len(places) // count], KINDS[k % len(KINDS)], build, failures)
+    programs = broken_programs(lessons, options.all)
+    for lesson, broken in programs:
+        test_broken(lesson, broken, build, failures)
     for lesson in lessons:
         if lesson.name[:2] == "01":
             test_watch(lesson, build, failures)
             test_show(lesson, build, failures)
         if lesson.name[:2] in ("03", "07"):  # without and with a deck
             test_files(lesson, build, failures)
+    count = sum(len(broken) for _, broken in programs)
     print(f"{wrong} wrong and {count} broken answers: " + (f"{len(failures)} NOT NOTICED" if failures else
                                                            "each is refused with its reason, and spoils no other"))
     print("\n".join(failures), file=sys.stderr, end="\n" if failures else "")
