@@ -18,11 +18,11 @@ SRC = ROOT / "src"
 
 # Rooms, each of which includes only itself and those above it; those of one line include each other.
 ROOMS = {
-    "base": 1573, "linalg": 4904, "mesh": 4456, "geometry": 2014, "energy": 3377, "constraint": 4121, "method": 3155,
+    "base": 1573, "linalg": 4904, "mesh": 4456, "geometry": 2014, "energy": 3375, "constraint": 4121, "method": 3155,
     "check": 2668, "io": 2615, "deck": 1141, "problem": 4535, "report": 1486, "app": 2082,
 }
 TOGETHER = [{"deck", "problem", "report"}]
-MOST = {"src/ without lessons and examples": 38703, "src/examples": 900, "src/lessons": 6000, "README.md": 180,
+MOST = {"src/ without lessons and examples": 38701, "src/examples": 900, "src/lessons": 6000, "README.md": 180,
         "Newton::minimise()": 30, "include depth": 8, "a file": 490, "includes beyond the line": 46}
 # topic: most files, most lines, the files: both of `name.*` where there are two.
 TOPICS = {
@@ -32,7 +32,7 @@ TOPICS = {
                                               "method/damping.hpp method/forcing.hpp method/eigenvalue_filtering.hpp "
                                               "method/stopping_tests.* method/local_elimination.hpp "
                                               "linalg/linear_solver.hpp"),
-    "energy, plain assembly": (10, 984, "energy/distortion_energy.* energy/group_energy.* energy/plain_energy.* "
+    "energy, plain assembly": (10, 980, "energy/distortion_energy.* energy/group_energy.* energy/plain_energy.* "
                                "energy/densities.hpp energy/options.hpp "
                                "energy/element_rules.hpp base/small_matrix.hpp"),
     "prescribed positions": (5, 712, "constraint/constraint.hpp constraint/dirichlet.* constraint/trace_space.*"),

@@ -71,7 +71,7 @@ public:
         Lanes sum{};
         for (int q = part * part_points(); q < (part + 1) * part_points(); ++q) {
             const Mat<n, Lanes> F = multiply<n>(jacobian(q), inverse_A(q));
-            sum += of_.weight[q] * share_ * density.f(distortion<n>(F, delta, typename Density::Measure()));
+            sum += of_.weight[q] * share_ * density.f(distortion<n>(F, delta, measure_of(density)));
         }
         return sum;
     }

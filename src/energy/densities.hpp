@@ -44,61 +44,61 @@ T regularised_determinant(T D, T w, double delta) {
     return select(D > 0, 0.5 * (D + w), 2 * delta * delta / (w - D));
 }
 
-struct Shape {
-    static constexpr bool adds_n = false;  // to |F|^2
+// Which one is told at run time: there are kernels for one only.
+struct Measure {
+    bool of_size = false;
+    bool adds_n = false;  // to |F|^2
+
     template <int n, class T>
-    static T factor(T D, double delta) {
+    T factor(T D, double delta) const {
         const T sigma = regularised_determinant<T>(D, sqrt(D * D + 4 * delta * delta), delta);
+        const T r = of_shape<n>(sigma);
+        return of_size ? r * (0.5 * (sigma + 1 / sigma)) : r;
+    }
+
+    // d sigma_delta / dD = sigma_delta / w; of the size factor s = (sigma_delta + 1/sigma_delta) / 2 the product rule.
+    template <int n, class T>
+    DeterminantFactor<T> derivatives(T D, double delta) const {
+        const T w = sqrt(D * D + 4 * delta * delta), over_w = 1 / w;
+        const T sigma = regularised_determinant<T>(D, w, delta), r = of_shape<n>(sigma);
+        const T r1 = -2.0 / n * r * over_w, r2 = -2.0 / n * over_w * (r1 - r * D * over_w * over_w);
+        if (!of_size) return {r, r1, r2};
+        const T s = 0.5 * (sigma + 1 / sigma), s1 = 0.5 * (sigma - 1 / sigma) * over_w,
+                s2 = (s - s1 * D) * over_w * over_w;
+        return {r * s, r1 * s + r * s1, r2 * s + 2 * r1 * s1 + r * s2};
+    }
+
+private:
+    template <int n, class T>
+    static T of_shape(T sigma) {
         if constexpr (n == 2) return 0.5 / sigma;
         const T root = inverse_cbrt(sigma);
         return (1.0 / 3) * root * root;
     }
-
-    // d sigma_delta / dD = sigma_delta / w.
-    template <int n, class T>
-    static DeterminantFactor<T> derivatives(T D, double delta) {
-        const T w = sqrt(D * D + 4 * delta * delta), over_w = 1 / w;
-        const T r = factor<n>(D, delta);
-        const T r1 = -2.0 / n * r * over_w;
-        return {r, r1, -2.0 / n * over_w * (r1 - r * D * over_w * over_w)};
-    }
 };
 
-struct ShapeAndSize {
-    static constexpr bool adds_n = false;
-    template <int n, class T>
-    static T factor(T D, double delta) {
-        const T sigma = regularised_determinant<T>(D, sqrt(D * D + 4 * delta * delta), delta);
-        return Shape::factor<n>(D, delta) * (0.5 * (sigma + 1 / sigma));
-    }
+struct Shape : Measure {};
+struct ShapeAndSize : Measure { ShapeAndSize() : Measure{.of_size = true} {} };
+struct Tangled : Measure { Tangled() : Measure{.adds_n = true} {} };
 
-    // Product rule with s = (sigma_delta + 1/sigma_delta) / 2.
-    template <int n, class T>
-    static DeterminantFactor<T> derivatives(T D, double delta) {
-        const T w = sqrt(D * D + 4 * delta * delta), over_w = 1 / w;
-        const T sigma = regularised_determinant<T>(D, w, delta), s = 0.5 * (sigma + 1 / sigma);
-        const T s1 = 0.5 * (sigma - 1 / sigma) * over_w, s2 = (s - s1 * D) * over_w * over_w;
-        const auto [r, r1, r2] = Shape::derivatives<n>(D, delta);
-        return {r * s, r1 * s + r * s1, r2 * s + 2 * r1 * s1 + r * s2};
-    }
-};
-
-struct Tangled : Shape {
-    static constexpr bool adds_n = true;
-};
+// That of a density, which has it as a member or, where it is always the same, by its type.
+template <class Density>
+Measure measure_of(const Density& density) {
+    if constexpr (requires { density.measure; }) return density.measure;
+    else return typename Density::Measure();
+}
 
 // S
-template <class Measure, int n, class T>
-T squared_stretch(const Mat<n, T>& F) {
+template <int n, class T>
+T squared_stretch(const Mat<n, T>& F, const Measure& measure) {
     const T S = frobenius_squared<n>(F);
-    if constexpr (Measure::adds_n) return S + n;
-    else return S;
+    return measure.adds_n ? S + n : S;
 }
 
 // eta(F); infinite where delta = 0 and det F is not positive (nan included).
-template <int n, class T = double, class Measure = Shape>
-T distortion(const Mat<n, T>& F, double delta, Measure = {}) {
-    const T D = determinant(F), eta = squared_stretch<Measure, n>(F) * Measure::template factor<n>(D, delta);
+template <int n, class T = double>
+T distortion(const Mat<n, T>& F, double delta, const Measure& measure = {}) {
+    const T D = determinant(F), eta = squared_stretch<n>(F, measure) * measure.factor<n>(D, delta);
     if (delta > 0) return eta;
     return select(D > 0, eta, std::numeric_limits<double>::infinity());
 }
@@ -114,10 +114,9 @@ T integer_power(T x, int k) {
     return result;
 }
 
-// M^2 (s^p + kappa s^2), s = (eta - 1) / M, or eta / M where `from_one` is false; p >= 2. As it stands here, the square.
-template <class MeasureOf>
+// M^2 (s^p + kappa s^2), s = (eta - 1) / M, or eta / M where `from_one` is false; p >= 2. By default the square.
 struct Power {
-    using Measure = MeasureOf;
+    Measure measure;
     bool from_one;
     int p = 2;
     double M = 1, kappa = 0;
@@ -142,16 +141,17 @@ struct Power {
 template <class Body>
 auto with_density(const DistortionParams& params, const Body& body) {
     const auto& [p, M, kappa] = params.power;
-    if (params.objective == Objective::tangled) return body(Power<Tangled>{false});
-    if (params.objective == Objective::size_shape) return body(Power<ShapeAndSize>{true, p, M, kappa});
-    return body(Power<Shape>{params.objective != Objective::squared, p, M, kappa});
+    if (params.objective == Objective::tangled) return body(Power{Tangled(), false});
+    if (params.objective == Objective::size_shape) return body(Power{ShapeAndSize(), true, p, M, kappa});
+    return body(Power{Shape(), params.objective != Objective::squared, p, M, kappa});
 }
 
 // df/dF. F must have finite distortion.
 template <int n, class T = double, class Density>
 Mat<n, T> density_gradient(const Mat<n, T>& F, double delta, Density density) {
-    const T S = squared_stretch<typename Density::Measure, n>(F);
-    const auto [r, r1, r2] = Density::Measure::template derivatives<n>(determinant(F), delta);
+    const Measure measure = measure_of(density);
+    const T S = squared_stretch<n>(F, measure);
+    const auto [r, r1, r2] = measure.derivatives<n>(determinant(F), delta);
     const T f1 = density.f1(S * r), along_F = 2 * f1 * r, along_C = f1 * S * r1;
     const Mat<n, T> C = cofactor(F);
     Mat<n, T> P;

@@ -22,9 +22,9 @@ namespace almesh {
 // (eta - shift)^2 up to a constant.
 template <class Density>
 struct Damped {
-    using Measure = typename Density::Measure;
     Density of;
     Lanes share;
+    Measure measure = measure_of(of);
     Lanes f1(Lanes eta) const {
         if constexpr (requires { of.is_square; })
             if (of.is_square) return 2 * (eta - (of.from_one ? share : Lanes{}));
@@ -47,8 +47,9 @@ template <int n, class Density>
 Tensor<n> full_hessian(const Mat<n, Lanes>& J, const Mat<n, Lanes>& ideal_inverse, Lanes weight,
                        const Density& density, double delta) {
     const Mat<n, Lanes> F = multiply<n>(J, ideal_inverse), transposed = transpose<n>(ideal_inverse);
-    const Lanes S = squared_stretch<typename Density::Measure, n>(F);
-    const auto [r, r1, r2] = Density::Measure::template derivatives<n>(determinant(F), delta);
+    const Measure measure = measure_of(density);
+    const Lanes S = squared_stretch<n>(F, measure);
+    const auto [r, r1, r2] = measure.derivatives<n>(determinant(F), delta);
     const Lanes f1 = weight * density.f1(S * r), f2 = weight * density.f2(S * r), Sr1 = S * r1;
     const Mat<n, Lanes> D_J = multiply<n>(cofactor(F), transposed), metric = multiply<n>(ideal_inverse, transposed);
     Mat<n, Lanes> S_J = multiply<n>(F, transposed);
@@ -94,8 +95,9 @@ FrameHessian<n> projected_in_frame(const Mat<n, Lanes>& F, const Density& densit
     H.U = svd.U;
     H.V = svd.V;
     const Vec<n, Lanes>& s = svd.s;
-    const Lanes S = squared_stretch<typename Density::Measure, n>(F);
-    const auto [r, r1, r2] = Density::Measure::template derivatives<n>(determinant(F), delta);
+    const Measure measure = measure_of(density);
+    const Lanes S = squared_stretch<n>(F, measure);
+    const auto [r, r1, r2] = measure.derivatives<n>(determinant(F), delta);
     const Lanes f1 = density.f1(S * r), Sr1 = S * r1;
     const auto f2 = density.f2(S * r);
     const auto product_without = [&s](int i, int j) { return n == 2 ? in_all_lanes(1) : s[3 - i - j]; };  // i not j

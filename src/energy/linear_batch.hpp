@@ -41,7 +41,7 @@ public:
     // Per unit of det A; infinite or nan for an inverted element.
     template <class Density>
     Lanes energy(Density density, double delta) const {
-        return volume_ * density.f(distortion<n>(F_, delta, typename Density::Measure()));
+        return volume_ * density.f(distortion<n>(F_, delta, measure_of(density)));
     }
 
     // Adds to g (nodes x n) the gradient of the first `count` elements, times `factor`.

@@ -39,8 +39,9 @@ double determinant_second_derivative(const Mat<n>& F, int i, int j, int k, int l
 template <int n, class Density>
 void add_second_derivative(const Mat<n>& F, Density density, double delta, double w, double* A) {
     const Mat<n> C = cofactor(F);
-    const double S = squared_stretch<typename Density::Measure, n>(F);
-    const DeterminantFactor<double> factor = Density::Measure::template derivatives<n>(determinant(F), delta);
+    const Measure measure = measure_of(density);
+    const double S = squared_stretch<n>(F, measure);
+    const DeterminantFactor<double> factor = measure.derivatives<n>(determinant(F), delta);
     const double r = factor.r, r1 = factor.r1, r2 = factor.r2;
     const double f1 = density.f1(S * r), f2 = density.f2(S * r);
     const auto eta_F = [&](int i, int j) { return 2 * r * F[i][j] + S * r1 * C[i][j]; };
@@ -53,12 +54,6 @@ void add_second_derivative(const Mat<n>& F, Density density, double delta, doubl
                     eta_FF += S * (r2 * C[i][j] * C[k][l] + r1 * determinant_second_derivative<n>(F, i, j, k, l));
                     A[(i * n + j) * n * n + k * n + l] += w * (f2 * eta_F(i, j) * eta_F(k, l) + f1 * eta_FF);
                 }
-}
-
-// eta^2 with the measure of another density: what it is damped by.
-template <class Density>
-Power<typename Density::Measure> square_like(Density) {
-    return {false};
 }
 
 // One quadrature point of one element.
@@ -145,7 +140,7 @@ double PlainEnergy::energy(const std::vector<double>& x) {
     double sum = 0;
     with_density(params_, [&](auto density) {
         every_point(x, [&]<int n>(const ElementPoint<n>& at) {
-            sum += at.w * density.f(distortion<n>(at.F, params_.delta, typename decltype(density)::Measure()));
+            sum += at.w * density.f(distortion<n>(at.F, params_.delta, measure_of(density)));
         });
     });
     return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
@@ -171,7 +166,8 @@ void PlainEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, Bl
         every_point(x, [&]<int n>(const ElementPoint<n>& at) {
             double A[n * n * n * n] = {};  // of w f + t w' eta^2
             if (kind != HessianKind::damping) add_second_derivative<n>(at.F, density, params_.delta, at.w, A);
-            if (t > 0) add_second_derivative<n>(at.F, square_like(density), params_.delta, t * at.damping_w, A);
+            if (t > 0)
+                add_second_derivative<n>(at.F, Power{measure_of(density), false}, params_.delta, t * at.damping_w, A);
             if (kind != HessianKind::full) project(n * n, A, projected ? projection.kept_negative : 0);
             for (int i = 0; i < reference_.nodes; ++i)
                 for (int j = 0; j < reference_.nodes; ++j) {

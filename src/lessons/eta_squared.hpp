@@ -7,7 +7,7 @@ namespace almesh::lessons {
 inline double W(const Mat<2>& F) { return distortion<2>(F, 0) * distortion<2>(F, 0); }
 
 // W_F = 2 eta eta_F.
-inline Mat<2> W_F(const Mat<2>& F) { return density_gradient<2>(F, 0, Power<Shape>{false}); }
+inline Mat<2> W_F(const Mat<2>& F) { return density_gradient<2>(F, 0, Power{Shape(), false}); }
 
 // W_FF H = 2 (eta_F : H) eta_F + 2 eta eta_FF H.
 inline Mat<2> W_FF(const Mat<2>& F, const Mat<2>& H) {

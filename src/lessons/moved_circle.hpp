@@ -60,7 +60,7 @@ template <class Density>
 std::array<double, 16> second_derivative(const Mat<2>& F, Density density) {
     const Mat<2> C = cofactor(F);
     const double S = frobenius_squared<2>(F);
-    const auto [r, r1, r2] = Shape::derivatives<2>(determinant(F), 0);
+    const auto [r, r1, r2] = Shape().derivatives<2>(determinant(F), 0);
     std::array<double, 16> H;
     for (int a = 0; a < 4; ++a)
         for (int b = 0; b < 4; ++b) {

@@ -66,7 +66,7 @@ double order(double of_step, double of_half) { return std::log2(of_step / of_hal
 template <int n, class Density>
 void check_gradient(const Mat<n>& F, double delta, Density density, const Mat<n>& dF, double step) {
     const auto f = [&](double t) {
-        return density.f(distortion<n>(shifted<n>(F, dF, t), delta, typename Density::Measure()));
+        return density.f(distortion<n>(shifted<n>(F, dF, t), delta, measure_of(density)));
     };
     const double exact = inner<n>(density_gradient<n>(F, delta, density), dF);
     const auto error = [&](double t) { return std::abs((f(t) - f(-t)) / (2 * t) - exact); };
@@ -97,7 +97,7 @@ void check_mixture(const Mat<n>& a, const Mat<n>& b, double share, const Mat<n>&
 template <int n, class Density>
 void check_damped(const Mat<n>& F, Density density, double share, const Mat<n>& dF) {
     const auto of_damped = damped(density, in_all_lanes(share));
-    const Power<typename Density::Measure> squared{false};
+    const Power squared{measure_of(density), false};
     for (const double delta : {0.0, 0.3}) {
         check_mixture<n>(gradient<n>(F, delta, density), gradient<n>(F, delta, squared), share,
                          gradient<n>(F, delta, of_damped));
@@ -120,8 +120,8 @@ void check_quartic() {
         check_hessian<n>(thin, 0, damped(density, in_all_lanes(0.3)), dF, 1e-3);
         for (double share : {0.0, 0.3, 1.0}) {
             check_damped<n>(thin, density, share, dF);
-            check_damped<n>(thin, Power<Measure>{true}, share, dF);
-            check_damped<n>(thin, Power<Measure>{false}, share, dF);
+            check_damped<n>(thin, Power{Measure(), true}, share, dF);
+            check_damped<n>(thin, Power{Measure(), false}, share, dF);
         }
     }
 }
@@ -139,7 +139,7 @@ TEST_CASE("a density that is no quadratic: slopes of gradient and Hessian, and i
 
 TEST_CASE("powers: slopes of gradient and Hessian, their damping, and the square among them") {
     std::mt19937 random(23);
-    const Power<Shape> of_deviation{true, 4, 1.7, 0.01}, of_distortion{false, 3, 0.5, 0};
+    const Power of_deviation{Shape(), true, 4, 1.7, 0.01}, of_distortion{Shape(), false, 3, 0.5, 0};
     const Mat<2> F = random_gradient<2>(random, 0.1), dF = random_matrix<2>(random);
     const Mat<3> F3 = random_gradient<3>(random, 0.1), dF3 = random_matrix<3>(random);
     for (const auto& density : {of_deviation, of_distortion}) {
@@ -150,12 +150,12 @@ TEST_CASE("powers: slopes of gradient and Hessian, their damping, and the square
         for (double share : {0.0, 0.3, 1.0}) check_damped<3>(F3, density, share, dF3);
     }
     for (const double eta : {1.0, 1.5, 7.0}) {
-        const Power<Shape> square{true, 2, 3, 0};
+        const Power square{Shape(), true, 2, 3, 0};
         CHECK(square.f(eta) == doctest::Approx((eta - 1) * (eta - 1)));
         CHECK(square.f1(eta) == doctest::Approx(2 * (eta - 1)));
         CHECK(square.f2(eta) == doctest::Approx(2));
     }
-    CHECK(Power<Shape>{true, 64, 2, 0}.f(3.0) == doctest::Approx(4));  // M^2 where eta - 1 = M
+    CHECK(Power{Shape(), true, 64, 2, 0}.f(3.0) == doctest::Approx(4));  // M^2 where eta - 1 = M
     CHECK(with_density({.objective = Objective::deviation, .power = {5, 1, 0}},
                        [](auto density) { return density.f(3.0); }) == 32);
 }
@@ -191,7 +191,7 @@ TEST_CASE("half_slope is f'/2 at the eta where f has the given value") {
     for (const Objective objective : {Objective::squared, Objective::deviation, Objective::size_shape})
         with_density({.objective = objective}, check);
     check(Quartic<Shape>());
-    check(Power<Shape>{true, 8, 2.5, 0});
+    check(Power{Shape(), true, 8, 2.5, 0});
 }
 
 TEST_CASE("each objective has the density of its formula") {
@@ -200,7 +200,7 @@ TEST_CASE("each objective has the density of its formula") {
     };
     const auto eta = [](Objective objective) {  // of a scaling by 2 in 2D
         return with_density({.objective = objective}, [](auto density) {
-            return distortion<2>({{{2, 0}, {0, 2}}}, 0, typename decltype(density)::Measure());
+            return distortion<2>({{{2, 0}, {0, 2}}}, 0, measure_of(density));
         });
     };
     CHECK(f(Objective::squared, 3) == 9);

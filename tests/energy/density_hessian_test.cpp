@@ -145,7 +145,7 @@ TEST_CASE_TEMPLATE("in the coordinates of an element the second derivative is th
         set_lane<n>(J, l, multiply<n>(of_F, A));
         set_lane<n>(inverse_of_A, l, inverse<n>(A));
     }
-    const Power<Shape> squared{false};
+    const Power squared{Shape(), false};
     for (const double kept_negative : {1.0, 0.3, 0.0}) {
         const Tensor<n> in_F = density_hessian<n>(F, identity<n>(), in_all_lanes(1), squared, 0, kept_negative);
         const Tensor<n> in_J = density_hessian<n>(J, inverse_of_A, in_all_lanes(3), squared, 0, kept_negative);

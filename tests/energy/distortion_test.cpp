@@ -15,8 +15,9 @@ namespace {
 template <int n>
 void check_slope(const Mat<n>& F, double delta, Objective objective, const Mat<n>& dF, double t) {
     with_density({.objective = objective}, [&](auto density) {
-        using Measure = typename decltype(density)::Measure;
-        const auto f = [&](double s) { return density.f(distortion<n>(shifted<n>(F, dF, s), delta, Measure())); };
+        const auto f = [&](double s) {
+            return density.f(distortion<n>(shifted<n>(F, dF, s), delta, measure_of(density)));
+        };
         const double exact = inner<n>(density_gradient<n>(F, delta, density), dF);
         double error[2];
         for (int k = 0; k < 2; ++k) {
@@ -106,7 +107,7 @@ TEST_CASE("lanes give what a single number gives, the infinite ones too") {
     }
     for (const double delta : {0.0, 0.2}) {
         const Lanes eta = distortion<3>(F, delta);
-        const Mat<3, Lanes> P = density_gradient<3>(F, delta, Power<Shape>{true});
+        const Mat<3, Lanes> P = density_gradient<3>(F, delta, Power{Shape(), true});
         for (int l = 0; l < lanes; ++l) {
             const Mat<3> single = {{{l - 0.5, 0, 0}, {0, 2, 0}, {0, 0.3, 1.0 + l}}};
             if (l == 0 && delta == 0) {
@@ -114,7 +115,7 @@ TEST_CASE("lanes give what a single number gives, the infinite ones too") {
                 continue;
             }
             CHECK(eta[l] == doctest::Approx(distortion<3>(single, delta)).epsilon(1e-14));
-            const Mat<3> expected = density_gradient<3>(single, delta, Power<Shape>{true});
+            const Mat<3> expected = density_gradient<3>(single, delta, Power{Shape(), true});
             for (int i = 0; i < 3; ++i)
                 for (int j = 0; j < 3; ++j)
                     CHECK(P[i][j][l] == doctest::Approx(expected[i][j]).epsilon(1e-12).scale(1));

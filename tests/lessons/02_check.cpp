@@ -88,7 +88,7 @@ EXERCISE("2.2", "the gradient of eta in 2D") {
 }
 
 EXERCISE("2.3", "the gradient of eta in 3D") {
-    const Mat<3> gradient = eta_gradient_3d(F3), expected = density_gradient<3>(F3, 0.0, Power<Shape>{true});
+    const Mat<3> gradient = eta_gradient_3d(F3), expected = density_gradient<3>(F3, 0.0, Power{Shape(), true});
     const double f1 = 2 * (distortion<3>(F3, 0.0) - 1), order = order_of_gradient<3>(F3, H3, gradient);
     const double along_F = product<3>(gradient, F3);
     expect(std::abs(along_F) < 1e-12, "eta_F : F is ", along_F,
@@ -102,7 +102,7 @@ EXERCISE("2.3", "the gradient of eta in 3D") {
 EXERCISE("2.4", "the second derivative of eta") {
     const double eta = distortion<2>(F2, 0.0);
     const auto gradient = [](const Mat<2>& F) {
-        Mat<2> P = density_gradient<2>(F, 0.0, Power<Shape>{false});
+        Mat<2> P = density_gradient<2>(F, 0.0, Power{Shape(), false});
         for (auto& row : P)
             for (double& entry : row) entry /= 2 * distortion<2>(F, 0.0);
         return P;
