@@ -53,7 +53,7 @@ NewtonParams subproblem(const AugmentedLagrangianParams& params, const Schedule&
         if (p > 2) newton.visible_part = p * visible_of_largest;
         newton.visible_gain = visible * (distortion.uniform(2) - distortion.uniform(1));
     }
-    if (cold && s.tests_reach) newton.largest_energy = distortion.uniform(useless_distortion);
+    if (cold && s.tests_reach()) newton.largest_energy = distortion.uniform(useless_distortion);
     return newton;
 }
 
@@ -136,25 +136,25 @@ AlResult minimise(DistortionEnergy& distortion, Constraint& constraint, Newton& 
     E.lambda.resize(constraint.multipliers());                                            //  3: zero where not given
     rows.push_back(measured(distortion, constraint, x, result.distortion));
     const double one_squared = square(constraint.norm_of_one());
-    const auto s = make_schedule(params, start.mu, one_squared, c_squared());             //  4-6
+    Schedule s(params, start.mu, one_squared, c_squared());                               //  4-6
     const auto constrained = [&] {
-        return c_squared() <= params.epsilon_star && boundary_error() <= s->wall_tolerance;
+        return c_squared() <= params.epsilon_star && boundary_error() <= s.wall_tolerance;
     };
     observe();
     // The gradient of E is known from the first subproblem on only: row 0 does not end the loop.
-    while (rows.size() == 1 || !s->ends(constrained(), stationary())) {                   //  7
+    while (rows.size() == 1 || !s.ends(constrained(), stationary())) {                    //  7
         const bool cold = rows.size() == 1 && start.lambda.empty();
         const bool by_gradient = rows.back().newton_status == Status::no_visible_gain && constrained();
-        const NewtonParams wanted = subproblem(params, *s, cold, by_gradient, start.from_coarser, E);
-        E.penalty = s->penalty();
+        const NewtonParams wanted = subproblem(params, s, cold, by_gradient, start.from_coarser, E);
+        E.penalty = s.penalty();
         const NewtonResult solved = newton.minimise(E, wanted, x, observe_step);          //  8
         add_counts(solved, result);
-        rows.push_back(row_of(E, x, result.distortion, *s, solved, rows.back().iteration + 1));
+        rows.push_back(row_of(E, x, result.distortion, s, solved, rows.back().iteration + 1));
         rows.back().seconds = watch.seconds();
         settled = by_gradient && constrained() && (solved.status == Status::max_newton_iterations ||
                                                    solved.status == Status::line_search_failed);
         if (settled) rows.back().newton_status = Status::no_visible_gain;
-        const bool ends = s->ends(constrained(), stationary());
+        const bool ends = s.ends(constrained(), stationary());
         if (const auto failed = failure(rows, params, one_squared, constrained(), stationary(), ends)) {
             result.status = *failed;
             result.gradient = E.gradient(x);
@@ -163,14 +163,14 @@ AlResult minimise(DistortionEnergy& distortion, Constraint& constraint, Newton& 
             observe();
             break;
         }
-        if (c_squared() <= s->epsilon) {                                                  //  9
-            constraint.update_multipliers(x, s->mu, E.lambda);                            // 10
-            rows.back().update = s->tighten(c_squared(), boundary_error());               // 11-14
+        if (c_squared() <= s.epsilon) {                                                   //  9
+            constraint.update_multipliers(x, s.mu, E.lambda);                             // 10
+            rows.back().update = s.tighten(c_squared(), boundary_error());                // 11-14
         } else {                                                                          // 15-16
-            rows.back().update = s->raise_penalty();                                      // 17-20
+            rows.back().update = s.raise_penalty();                                       // 17-20
         }                                                                                 // 21
         observe();
-        if (observer.multipliers) observer.multipliers(E.lambda, s->mu / one_squared);
+        if (observer.multipliers) observer.multipliers(E.lambda, s.mu / one_squared);
     }                                                                                     // 22
     result.lambda = std::move(E.lambda);
     newton.time.total += watch.seconds();

@@ -46,21 +46,21 @@ EXERCISE("8.4", "penalty and tolerances") {
     AugmentedLagrangianParams params;
     params.algorithm = Algorithm::paper;
     params.mu0 = 30, params.omega0 = 0.2, params.epsilon0 = 1e-3;
-    const auto library = make_schedule(params, 0, 1, 1);
+    Schedule library(params, 0, 1, 1);
     Settings s = {10, params.mu0, params.omega0, params.epsilon0};
     int k = 1;
     for (const double c_squared : {1.0, 1e-2, 1e-9, 1e-14, 1e-1, 1e-11}) {
-        const bool updates = c_squared <= library->epsilon;
-        if (updates) library->tighten(c_squared, 0);
-        else library->raise_penalty();
+        const bool updates = c_squared <= library.epsilon;
+        if (updates) library.tighten(c_squared, 0);
+        else library.raise_penalty();
         s = next(s, c_squared, params.mu0, params.omega0, params.epsilon0);
         const std::string where = concat(" after subproblem ", k++, " with |c|^2 = ", c_squared);
         expect(s.updates_lambda == updates, "lambda is ", updates ? "not " : "", "updated", where,
                ": line 9 asks whether |c|^2 <= epsilon");
-        expect_close("mu" + where, s.mu / library->mu, 1, 1e-9, "ratio to what it should be; it grows with m, line 18");
-        expect_close("epsilon" + where, s.epsilon / library->epsilon, 1, 1e-9,
+        expect_close("mu" + where, s.mu / library.mu, 1, 1e-9, "ratio to what it should be; it grows with m, line 18");
+        expect_close("epsilon" + where, s.epsilon / library.epsilon, 1, 1e-9,
                      "ratio to what it should be: divided by m^0.9 after an update, else by (m/m0)^0.1 from epsilon0");
-        expect_close("omega" + where, s.omega / library->omega, 1, 1e-9,
+        expect_close("omega" + where, s.omega / library.omega, 1, 1e-9,
                      "ratio to what it should be: divided by m after an update, else omega0 by m/m0");
     }
 }

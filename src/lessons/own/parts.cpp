@@ -207,7 +207,7 @@ bool goes_on(double c_squared, double gradient_norm, const Constants& constants)
     const bool constrained = c_squared <= constants.epsilon_star, stationary = gradient_norm <= constants.omega_star;
     if constexpr (yours("schedule"))
         return lesson_08::goes_on(c_squared, gradient_norm, constants.epsilon_star, constants.omega_star);  // 8.3
-    else return !make_schedule({.algorithm = Algorithm::paper}, 0, 1, 1)->ends(constrained, stationary);
+    else return !Schedule({.algorithm = Algorithm::paper}, 0, 1, 1).ends(constrained, stationary);
 }
 
 // The library's schedule keeps m to itself: the one that is told by mu and by the number of updates since is found.
@@ -218,15 +218,15 @@ Settings next(const Settings& now, double c_squared, double mu0, const Constants
                                        constants.epsilon0);  // 8.4
         return {s.m, s.mu, s.omega, s.epsilon, s.updates_lambda};
     }
-    const auto schedule = make_schedule({.algorithm = Algorithm::paper, .mu0 = mu0, .omega0 = constants.omega0,
-                                         .epsilon0 = constants.epsilon0}, 0, 1, 1);
+    Schedule schedule({.algorithm = Algorithm::paper, .mu0 = mu0, .omega0 = constants.omega0,
+                       .epsilon0 = constants.epsilon0}, 0, 1, 1);
     double m = 10;
-    for (; schedule->mu < 0.5 * now.mu; m *= 100) schedule->raise_penalty();
-    while (schedule->omega > 2 * now.omega) schedule->tighten(0, 0);
-    const bool updates = c_squared <= schedule->epsilon;
-    if (updates) schedule->tighten(c_squared, 0);
-    else schedule->raise_penalty(), m *= 100;
-    return {m, schedule->mu, schedule->omega, schedule->epsilon, updates};
+    for (; schedule.mu < 0.5 * now.mu; m *= 100) schedule.raise_penalty();
+    while (schedule.omega > 2 * now.omega) schedule.tighten(0, 0);
+    const bool updates = c_squared <= schedule.epsilon;
+    if (updates) schedule.tighten(c_squared, 0);
+    else schedule.raise_penalty(), m *= 100;
+    return {m, schedule.mu, schedule.omega, schedule.epsilon, updates};
 }
 
 namespace {
