@@ -29,9 +29,8 @@ TOPICS = {
     "Algorithm 1": (9, 930, "method/augmented_lagrangian.* method/schedule.hpp method/status.hpp method/functional.hpp "
                     "method/newton.hpp constraint/constraint.hpp"),
     "a Newton step, up to the linear solve": (12, 1102, "method/newton.* method/functional.hpp method/line_search.* "
-                                              "method/damping.hpp method/forcing.hpp method/eigenvalue_filtering.hpp "
-                                              "method/stopping_tests.* method/local_elimination.hpp "
-                                              "linalg/linear_solver.hpp"),
+                                              "method/step_control.hpp method/stopping_tests.hpp "
+                                              "method/local_elimination.hpp linalg/linear_solver.hpp"),
     "energy, plain assembly": (10, 980, "energy/distortion_energy.* energy/group_energy.* energy/plain_energy.* "
                                "energy/densities.hpp energy/options.hpp "
                                "energy/element_rules.hpp base/small_matrix.hpp"),

@@ -59,10 +59,10 @@ public:
 
     // Second-order correction of steps (Nocedal & Wright, sec. 18.3): moves y = x + t d so that c(y) is c(x) + t dc d.
     // Without it, steps along a curved surface leave it by the curvature times their square, and a large penalty keeps
-    // them short (Maratos effect). Newton's method lets the inside follow where a bent step is cut.
-    virtual bool bends_steps() const { return false; }
-    virtual void bend(const std::vector<double>& /*x*/, const std::vector<double>& /*d*/, double /*t*/,
-                      std::vector<double>& /*y*/) const {}
+    // them short (Maratos effect). Newton's method lets the inside follow where a corrected step is cut.
+    virtual bool corrects_steps() const { return false; }
+    virtual void correct(const std::vector<double>& /*x*/, const std::vector<double>& /*d*/, double /*t*/,
+                         std::vector<double>& /*y*/) const {}
 
     // Restricted to some nodes: C up to a constant, as a function of the positions of these alone, in their numbers.
     // Entries of derivatives are right where nodes move; the others do not count. What is measured between nodes is

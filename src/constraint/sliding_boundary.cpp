@@ -121,13 +121,13 @@ void SlidingBoundary::add_hessian(const std::vector<double>& x, const std::vecto
     });
 }
 
-void SlidingBoundary::bend(const std::vector<double>& x, const std::vector<double>& d, double t,
-                           std::vector<double>& y) const {
+void SlidingBoundary::correct(const std::vector<double>& x, const std::vector<double>& d, double t,
+                              std::vector<double>& y) const {
     parallel_for(trace_.count(), [&](int i) {
         if (parts_[i].empty()) return;
-        const Vec<3> bent =
+        const Vec<3> corrected =
             at_distances(*sliding_, parts_[i], at(y, i), distances(*sliding_, parts_[i], at(x, i), t * at(d, i)));
-        std::copy_n(bent.begin(), trace_.dim, point(y, trace_.nodes[i], trace_.dim));
+        std::copy_n(corrected.begin(), trace_.dim, point(y, trace_.nodes[i], trace_.dim));
     }, surface_work);
 }
 

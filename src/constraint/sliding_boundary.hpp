@@ -33,9 +33,9 @@ public:
     void add_hessian(const std::vector<double>& x, const std::vector<double>& lambda, double mu, bool projected,
                      BlockCsr& H) override;
     std::unique_ptr<Constraint> part(const Restriction& around, std::vector<double>& lambda) const override;
-    bool bends_steps() const override { return sliding_ != nullptr; }
-    void bend(const std::vector<double>& x, const std::vector<double>& d, double t,
-              std::vector<double>& y) const override;
+    bool corrects_steps() const override { return sliding_ != nullptr; }
+    void correct(const std::vector<double>& x, const std::vector<double>& d, double t,
+                 std::vector<double>& y) const override;
     std::vector<double> targets(const std::vector<double>& x) const override;
     std::vector<char> off_target(const std::vector<double>& x) const override;
 

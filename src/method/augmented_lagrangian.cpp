@@ -49,7 +49,7 @@ NewtonParams subproblem(const AugmentedLagrangianParams& params, const Schedule&
     newton.cold_start = cold;
     newton.from_coarser = from_coarser;
     if (by_gradient) newton.max_iterations = std::min(newton.max_iterations, most_unseen_steps);
-    if (const int p = distortion.power().p; E.constraint.bends_steps() && !by_gradient) {
+    if (const int p = distortion.power().p; E.constraint.corrects_steps() && !by_gradient) {
         if (p > 2) newton.visible_part = p * visible_of_largest;
         newton.visible_gain = visible * (distortion.uniform(2) - distortion.uniform(1));
     }

@@ -43,7 +43,9 @@ struct Functional {
     // By how much rounding of x changes E beyond the rounding of a sum. force: work space, the size of x.
     virtual double rounding_error(const std::vector<double>& /*x*/, std::vector<double>& /*force*/) const { return 0; }
     // Second-order correction of the step d from x (constraint.hpp); empty where there is none. x, d: used when called.
-    virtual BendFunction bend(const std::vector<double>& /*x*/, const std::vector<double>& /*d*/) const { return {}; }
+    virtual Correction correction(const std::vector<double>& /*x*/, const std::vector<double>& /*d*/) const {
+        return {};
+    }
     virtual void fix(std::vector<double>& /*d*/) const {}  // sets to zero what is of nodes that stay where they are
     // As a function of the nodes with moves[i]; those that stay where they are are left out.
     virtual std::unique_ptr<LocalFunctional> part(const std::vector<double>& x, std::vector<char> moves) const = 0;
@@ -112,9 +114,9 @@ struct AugmentedFunctional : Functional {
         return std::numeric_limits<double>::epsilon() * sum;
     }
 
-    BendFunction bend(const std::vector<double>& x, const std::vector<double>& d) const override {
-        if (!constraint.bends_steps()) return {};
-        return [this, &x, &d](double t, std::vector<double>& y) { constraint.bend(x, d, t, y); };
+    Correction correction(const std::vector<double>& x, const std::vector<double>& d) const override {
+        if (!constraint.corrects_steps()) return {};
+        return [this, &x, &d](double t, std::vector<double>& y) { constraint.correct(x, d, t, y); };
     }
 
     void fix(std::vector<double>& d) const override { fix_nodes(fixed, distortion.dim(), d); }

@@ -20,10 +20,10 @@ constexpr double worth_lengthening = 2.0 / 3;  // of what the slope promises
 
 LineSearchResult line_search(const EnergyFunction& E, const StepFunction& valid_fraction, double energy, double slope,
                              const std::vector<double>& d, std::vector<double>& x, std::vector<double>& trial,
-                             const BendFunction& bend, double rounding_error) {
+                             const Correction& correct, double rounding_error) {
     const auto place = [&](double t) {
         for (std::size_t i = 0; i < x.size(); ++i) trial[i] = x[i] + t * d[i];
-        if (bend) bend(t, trial);
+        if (correct) correct(t, trial);
     };
     const auto energy_at = [&](double t) {
         place(t);

@@ -35,13 +35,13 @@ using EnergyFunction = std::function<double(const std::vector<double>&)>;
 // How much of the step from x to x' is valid, in [0, 1]: DistortionEnergy::valid_fraction().
 using StepFunction = std::function<double(const std::vector<double>& from, const std::vector<double>& to)>;
 
-// Bends the way: moves x + t d, given as `y`, by what is of second order in t.
-using BendFunction = std::function<void(double t, std::vector<double>& y)>;
+// Second-order correction: moves x + t d, given as `y`, by what is of second order in t.
+using Correction = std::function<void(double t, std::vector<double>& y)>;
 
 // energy: E(x), finite. slope: grad E . d < 0. rounding_error: of E(x), absolute. Where there is a step length x
-// becomes x + t d, bent if there is a function that does so, else it stays. trial: work space, the size of x.
+// becomes x + t d, corrected if there is a function that does so, else it stays. trial: work space, the size of x.
 LineSearchResult line_search(const EnergyFunction& E, const StepFunction& valid_fraction, double energy, double slope,
                              const std::vector<double>& d, std::vector<double>& x, std::vector<double>& trial,
-                             const BendFunction& bend = {}, double rounding_error = 0);
+                             const Correction& correct = {}, double rounding_error = 0);
 
 }  // namespace almesh

@@ -80,11 +80,11 @@ std::vector<char> choose_nodes(const BlockCsr& H, const std::vector<double>& g, 
 }  // namespace
 
 bool LocalElimination::is_due(int iteration, const BlockCsr& H, const std::vector<double>& g, double gained) {
-    if (of_ != Of::mesh) return of_ == Of::few_nodes && holds_up(H, g, gained);
-    if (iteration == 1) state_.was_hard = state_.is_hard;
-    state_.is_hard = state_.is_hard || iteration > steps_of_easy_problem;
-    if (state_.work > most_work * state_.work_of_newton) return false;
-    return state_.was_hard || iteration > steps_without || (from_coarser_ && holds_up(H, g, gained));
+    if (of != Of::mesh) return of == Of::few_nodes && holds_up(H, g, gained);
+    if (iteration == 1) was_hard = is_hard;
+    is_hard = is_hard || iteration > steps_of_easy_problem;
+    if (work > most_work * work_of_newton) return false;
+    return was_hard || iteration > steps_without || (from_coarser && holds_up(H, g, gained));
 }
 
 bool LocalElimination::holds_up(const BlockCsr& H, const std::vector<double>& g, double gained) {
@@ -95,24 +95,24 @@ bool LocalElimination::holds_up(const BlockCsr& H, const std::vector<double>& g,
 LocalElimination::Result LocalElimination::eliminate(const Functional& E, const BlockCsr& H,
                                                      const std::vector<double>& g, double gained,
                                                      std::vector<double>& x, double& energy) {
-    const bool is_dear = E.distortion.is_curved() || (from_coarser_ && H.d == 3);
-    const double most = of_ == Of::mesh ? (is_dear ? largest_dear_part : largest_part)[H.d - 2] : inner_part;
+    const bool is_dear = E.distortion.is_curved() || (from_coarser && H.d == 3);
+    const double most = of == Of::mesh ? (is_dear ? largest_dear_part : largest_part)[H.d - 2] : inner_part;
     const std::unique_ptr<LocalFunctional> local = E.part(x, choose_nodes(H, g, most));
     Result result;
     result.nodes = local->nodes();
     result.work = set_up_work * local->distortion.nodes_in_elements();
     NewtonParams params{.omega = 0, .max_iterations = most_steps, .least_gain = worthwhile * gained};
-    if (is_dear) params.most_work = most_dear_work * state_.work_of_newton - state_.work - result.work;
+    if (is_dear) params.most_work = most_dear_work * work_of_newton - work - result.work;
     Newton newton(local->hessian_pattern(), {.tolerance = local_tolerance},
                   {.forcing = Forcing::fixed,
                    .damping = Damping::none(),
                    .filtering = EigenvalueFiltering::of_few_nodes(),
-                   .elimination = LocalElimination(of_ == Of::mesh && !is_dear ? Of::few_nodes : Of::nothing)});
+                   .elimination = {of == Of::mesh && !is_dear ? Of::few_nodes : Of::nothing}});
     std::vector<double> y = local->read(x), moved = x;
     result.work += newton.minimise(*local, params, y, [&](const NewtonStep&) { ++result.steps; }).work;
     local->write(y, moved);
-    state_.work += result.work;
-    if (of_ == Of::mesh && E.distortion.take_over_refinements(local->distortion)) energy = E.energy(x);
+    work += result.work;
+    if (of == Of::mesh && E.distortion.take_over_refinements(local->distortion)) energy = E.energy(x);
     if (result.steps == 0) return result;
     const double found = E.energy(moved);
     if (!(found <= energy)) return result;  // a gain below rounding

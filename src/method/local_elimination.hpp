@@ -32,31 +32,20 @@ namespace almesh {
 
 struct Functional;
 
-class LocalElimination {
-public:
+struct LocalElimination {
     enum class Of { mesh, few_nodes, nothing };  // few_nodes: in a local minimisation; nothing: there is none
-    explicit LocalElimination(Of of = Of::mesh) : of_(of) {}
+    Of of = Of::mesh;
+    bool from_coarser = false;  // whether x was interpolated from the solution of a coarser mesh or of a lower degree
+    bool was_hard = false, is_hard = false;  // an earlier subproblem, and any so far: took more than ten steps
+    // Of assembly and linear solves, in passes of an iterative solver over an entry of a matrix: over the whole mesh,
+    // and of all local minimisations.
+    double work_of_newton = 0, work = 0;
 
     struct Result {
         int nodes = 0;  // that were free to move
         int steps = 0;  // of the local minimisation, not of those inside it
         double work = 0;
     };
-
-    // Work: of assembly and linear solves, in passes of an iterative solver over an entry of a matrix.
-    struct State {
-        bool was_hard = false, is_hard = false;  // an earlier subproblem, and any so far: took more than ten steps
-        double work_of_newton = 0, work = 0;     // over the whole mesh, and of all local minimisations
-    };
-    const State& state() const { return state_; }
-
-    void reset() { state_.was_hard = state_.is_hard = false; }  // before a problem that knows nothing of earlier ones
-
-    // Whether x was interpolated from the solution of a coarser mesh or of a lower degree.
-    void set_from_coarser(bool from_coarser) { from_coarser_ = from_coarser; }
-
-    // Newton's method over the whole mesh has done so much.
-    void add_work_of_newton(double passes) { state_.work_of_newton += passes; }
 
     // Whether step `iteration` (1, 2, ...) of a subproblem is followed by one; H, g, gained: as for eliminate().
     bool is_due(int iteration, const BlockCsr& H, const std::vector<double>& g, double gained);
@@ -67,11 +56,6 @@ public:
     // diagonal and its pattern count. gained: decrease of E by the Newton step before.
     Result eliminate(const Functional& E, const BlockCsr& H, const std::vector<double>& g, double gained,
                      std::vector<double>& x, double& energy);
-
-private:
-    Of of_;
-    State state_;
-    bool from_coarser_ = false;
 };
 
 }  // namespace almesh

@@ -30,28 +30,9 @@ std::unique_ptr<LocalFunctional> LocalFunctional::part(const std::vector<double>
     return E_.part(with_fixed(y, at_), std::move(moves));
 }
 
-const std::vector<double>& LocalFunctional::with_fixed(const std::vector<double>& y, std::vector<double>& all) const {
-    std::copy(y.begin(), y.end(), all.begin());
-    return all;
-}
-
-double LocalFunctional::energy(const std::vector<double>& y) const { return E_.energy(with_fixed(y, at_)); }
-
-double LocalFunctional::distortion_energy(const std::vector<double>& y, double energy) const {
-    return E_.distortion_energy(with_fixed(y, at_), energy);
-}
-
-double LocalFunctional::valid_fraction(const std::vector<double>& y, const std::vector<double>& to) const {
-    return distortion.valid_fraction(with_fixed(y, at_), with_fixed(to, to_));
-}
-
 void LocalFunctional::gradient(const std::vector<double>& y, std::vector<double>& g) const {
     E_.gradient(with_fixed(y, at_), g_);
     std::copy_n(g_.begin(), g.size(), g.begin());
-}
-
-double LocalFunctional::rounding_error(const std::vector<double>& y, std::vector<double>&) const {
-    return E_.rounding_error(with_fixed(y, at_), g_);
 }
 
 // The rows and columns of H_ of nodes that move: the first, in each row as well.

@@ -33,23 +33,32 @@ public:
     std::vector<double> read(const std::vector<double>& x) const { return around_.read(x, dim_); }
     void write(const std::vector<double>& y, std::vector<double>& x) const { around_.write(y, dim_, x); }
 
-    double energy(const std::vector<double>& y) const override;  // E up to a constant
-    double distortion_energy(const std::vector<double>& y, double energy) const override;
-    double valid_fraction(const std::vector<double>& y, const std::vector<double>& to) const override;
+    double energy(const std::vector<double>& y) const override { return E_.energy(with_fixed(y, at_)); }
+    double distortion_energy(const std::vector<double>& y, double energy) const override {
+        return E_.distortion_energy(with_fixed(y, at_), energy);
+    }
+    double valid_fraction(const std::vector<double>& y, const std::vector<double>& to) const override {
+        return distortion.valid_fraction(with_fixed(y, at_), with_fixed(to, to_));
+    }
+    double rounding_error(const std::vector<double>& y, std::vector<double>&) const override {
+        return E_.rounding_error(with_fixed(y, at_), g_);
+    }
     void gradient(const std::vector<double>& y, std::vector<double>& g) const override;
     BlockCsr hessian_pattern() const;
     void hessian(const std::vector<double>& y, HessianKind kind, BlockCsr& H,
                  const Projection& projection = {}) const override;
-    double rounding_error(const std::vector<double>& y, std::vector<double>& force) const override;
     std::unique_ptr<LocalFunctional> part(const std::vector<double>& y, std::vector<char> moves) const override;
 
 private:
-    AugmentedFunctional E_;  // of all nodes of the elements
+    AugmentedFunctional E_;  // of all nodes of the elements; up to a constant that of the whole
     int dim_;
     mutable std::vector<double> at_, to_, g_;
     mutable BlockCsr H_;
 
-    const std::vector<double>& with_fixed(const std::vector<double>& y, std::vector<double>& all) const;
+    static const std::vector<double>& with_fixed(const std::vector<double>& y, std::vector<double>& all) {
+        std::copy(y.begin(), y.end(), all.begin());
+        return all;
+    }
 };
 
 }  // namespace almesh

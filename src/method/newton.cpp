@@ -28,10 +28,10 @@ NewtonResult Newton::minimise(const Functional& E, const NewtonParams& params, s
     while (!ended && !(ended = tests.before_step(at))) {                      // |g| <= omega
         refine_quadrature(E, x, at);
         const NewtonResult before = at;
-        NewtonStep step(++at.iterations, hessian_);
+        NewtonStep step{.iteration = ++at.iterations, .hessian = hessian_};
         do {
             if (find_direction(E, x, at, step)) search(E, x, at, step);       // H d = -g,   x <- x + t d
-        } while (step.step_length == 0 && weaken(step.hessian));
+        } while (step.step_length == 0 && filter_more(step.hessian));
         if (step.step_length == 0 && refine_quadrature(E, x, at)) continue;
         if (step.step_length > 0) {
             at.gradient_norm = gradient(E, x);                                // g = grad E(x)
@@ -50,9 +50,9 @@ NewtonResult Newton::start(const Functional& E, const NewtonParams& params, cons
     if (params.cold_start) {
         damping_.reset();
         filtering_ = EigenvalueFiltering::of_mesh();
-        elimination_.reset();
+        elimination_.was_hard = elimination_.is_hard = false;
     }
-    elimination_.set_from_coarser(params.from_coarser);
+    elimination_.from_coarser = params.from_coarser;
     hessian_ = params.cold_start ? HessianKind::damping : params.first;
     forcing_.start();
     NewtonResult at;
@@ -93,7 +93,7 @@ bool Newton::find_direction(const Functional& E, const std::vector<double>& x, N
     solver_.set_tolerance(forcing_.value);
     const SolveResult solve = solver_.solve(H_, minus_g_, d_, may_be_indefinite);
     const double work = E.distortion.hessian_work() + solve.work;
-    elimination_.add_work_of_newton(work);
+    elimination_.work_of_newton += work;
     at.work += work;
     E.fix(d_);  // some solvers move them and move them back, to rounding
     at.linear_iterations += solve.iterations;
@@ -106,32 +106,32 @@ bool Newton::find_direction(const Functional& E, const std::vector<double>& x, N
     return step.has_direction = (solve.status == SolveStatus::success || truncated) && dot(g_, d_) < 0;
 }
 
-// Moves x along d and takes over the energy there. Nothing changes where no step length is accepted. A bent step that
-// is cut is tried again with the inside bent as well, which takes another linear system: not where these are solved by
-// iterations, whose preconditioners go from one system to the next.
+// Moves x along d and takes over the energy there. Nothing changes where no step length is accepted. A corrected step
+// that is cut is tried again with the inside corrected as well, which takes another linear system: not where these are
+// solved by iterations, whose preconditioners go from one system to the next.
 void Newton::search(const Functional& E, std::vector<double>& x, NewtonResult& at, NewtonStep& step) {
     const auto energy_of = [&E](const std::vector<double>& y) { return E.energy(y); };
     const auto valid_fraction = [&E](const std::vector<double>& y, const std::vector<double>& to) {
         return E.valid_fraction(y, to);
     };
     const double rounding = E.rounding_error(x, trial_);
-    const auto search_along = [&](const BendFunction& bend, std::vector<double>& from) {
+    const auto search_along = [&](const Correction& correct, std::vector<double>& from) {
         const TimeAdder adder(time.line_search);
-        return line_search(energy_of, valid_fraction, at.energy, dot(g_, d_), d_, from, trial_, bend, rounding);
+        return line_search(energy_of, valid_fraction, at.energy, dot(g_, d_), d_, from, trial_, correct, rounding);
     };
     start_ = x;
-    const BendFunction bend = E.bend(start_, d_);
-    LineSearchResult found = search_along(bend, x);
-    if (bend && found.step_length < 1 && step.solver == SolverKind::cholesky && !step.fallback) {
+    const Correction correct = E.correction(start_, d_);
+    LineSearchResult found = search_along(correct, x);
+    if (correct && found.step_length < 1 && step.solver == SolverKind::cholesky && !step.fallback) {
         std::vector<double> y = start_;
-        const std::vector<double> w = bend_of_inside(start_, bend, at);
-        const BendFunction bend_all = [&](double t, std::vector<double>& z) {
+        const std::vector<double> w = correction_of_inside(start_, correct, at);
+        const Correction correct_all = [&](double t, std::vector<double>& z) {
             for (std::size_t i = 0; i < w.size(); ++i) z[i] += t * t * w[i];
-            bend(t, z);
+            correct(t, z);
         };
-        const LineSearchResult bent = w.empty() ? LineSearchResult() : search_along(bend_all, y);
-        if (bent.step_length > 0 && (found.step_length == 0 || bent.energy < found.energy)) {
-            found = bent;
+        const LineSearchResult corrected = w.empty() ? LineSearchResult() : search_along(correct_all, y);
+        if (corrected.step_length > 0 && (found.step_length == 0 || corrected.energy < found.energy)) {
+            found = corrected;
             x.swap(y);
         }
     }
@@ -142,25 +142,25 @@ void Newton::search(const Functional& E, std::vector<double>& x, NewtonResult& a
     step.by_rounding = found.by_rounding;
 }
 
-// The boundary of x + t d is bent by t^2 B, to second order in t, which is measured at a small t. The inside follows by
-// t^2 w, so that cells beside the boundary keep their heights: w = B at nodes that are bent, H w = 0 at the others.
-// Empty where none is bent.
-std::vector<double> Newton::bend_of_inside(const std::vector<double>& x, const BendFunction& bend,
-                                           NewtonResult& at) {
+// The boundary of x + t d is corrected by t^2 B, to second order in t, which is measured at a small t. The inside
+// follows by t^2 w, so that cells beside the boundary keep their heights: w = B at nodes that are corrected, H w = 0 at
+// the others. Empty where none is.
+std::vector<double> Newton::correction_of_inside(const std::vector<double>& x, const Correction& correct,
+                                                 NewtonResult& at) {
     constexpr double small_move = 1e-4, flat = 1e-6;  // in units of the run; flat: curvature
     double longest = 0;
     for (const double component : d_) longest = std::max(longest, std::abs(component));
     const double t = std::min(1.0, small_move / longest);
     std::vector<double> B(x.size()), y(x.size());
     for (std::size_t i = 0; i < x.size(); ++i) B[i] = y[i] = x[i] + t * d_[i];
-    bend(t, y);
-    std::vector<char> is_bent(x.size() / H_.d, 0);
+    correct(t, y);
+    std::vector<char> is_corrected(x.size() / H_.d, 0);
     for (std::size_t i = 0; i < x.size(); ++i) {
         B[i] = (y[i] - B[i]) / (t * t);
-        if (std::abs(B[i]) > flat * longest * longest) is_bent[i / H_.d] = 1;
+        if (std::abs(B[i]) > flat * longest * longest) is_corrected[i / H_.d] = 1;
     }
-    if (std::count(is_bent.begin(), is_bent.end(), 1) == 0) return {};
-    return complete(is_bent, {}, std::move(B), at);
+    if (std::count(is_corrected.begin(), is_corrected.end(), 1) == 0) return {};
+    return with_inside(is_corrected, {}, std::move(B), at);
 }
 
 bool Newton::lead(const Functional& E, HessianKind kind, const std::vector<char>& fixed, const std::vector<double>& x,
@@ -170,13 +170,13 @@ bool Newton::lead(const Functional& E, HessianKind kind, const std::vector<char>
     NewtonResult counts;
     forcing_.start();
     solver_.set_tolerance(forcing_.value);
-    d = complete(fixed, g_, std::move(d), counts);
+    d = with_inside(fixed, g_, std::move(d), counts);
     return !d.empty();
 }
 
 // d plus what minimises the model at the nodes that are not fixed: H_II e_I = -(g + H d)_I; empty where there is none.
-std::vector<double> Newton::complete(const std::vector<char>& fixed, const std::vector<double>& g,
-                                     std::vector<double> d, NewtonResult& at) {
+std::vector<double> Newton::with_inside(const std::vector<char>& fixed, const std::vector<double>& g,
+                                        std::vector<double> d, NewtonResult& at) {
     const TimeAdder adder(time.linear);
     BlockCsr of_inside = H_;
     std::vector<double> force = times_at_nodes(H_, d), inside;
@@ -190,11 +190,12 @@ std::vector<double> Newton::complete(const std::vector<char>& fixed, const std::
     return d;
 }
 
-// The next Hessian to try where `kind` gave no step; false where there is none.
-bool Newton::weaken(HessianKind& kind) {
+// Where `kind` gave no step, the next Hessian to try: with less of its negative eigenvalues, at last the damping alone.
+// False where there is none.
+bool Newton::filter_more(HessianKind& kind) {
     if (kind == HessianKind::damping) return false;
     if (kind == HessianKind::full) kind = HessianKind::projected;
-    else if (filtering_.kept > 0) filtering_.weaken();
+    else if (filtering_.kept > 0) filtering_.filter_more();
     else if (damping_.is_used) kind = HessianKind::damping;
     else return false;
     return true;
@@ -231,7 +232,7 @@ void Newton::adapt(const NewtonStep& step, const NewtonResult& before, const New
 void Newton::forget() {
     damping_ = {};
     filtering_ = EigenvalueFiltering::of_mesh();
-    elimination_ = LocalElimination();
+    elimination_ = {};
     solver_.forget();
 }
 
@@ -246,14 +247,5 @@ Newton::Newton(BlockCsr pattern, const LinearSolverParams& linear, const NewtonP
       damping_(policies.damping),
       filtering_(policies.filtering),
       elimination_(policies.elimination) {}
-
-const char* to_string(HessianKind kind) {
-    switch (kind) {
-        case HessianKind::full: return "full";
-        case HessianKind::projected: return "projected";
-        case HessianKind::damping: return "damping";
-    }
-    return "";
-}
 
 }  // namespace almesh

@@ -8,12 +8,13 @@
 // bad diagonal blocks: no Cholesky factorisation is spent on finding out) or gives no descent direction;
 // the damping alone in the very first step, because the Hessian of (eta - 1)^2 vanishes at the identity.
 //
-// A direction along which nodes slide is a tangent: the step bends its boundary back onto the surface
-// (Constraint::bend()), and where it is cut then, what is inside as well, by the solution of another linear system.
+// A direction along which nodes slide is a tangent: a second-order correction takes the boundary back onto the surface
+// (Constraint::correct()), and where the step is cut then, what is inside as well, by the solution of another linear
+// system.
 //
-// Around these lines, each in a file of its own with its formula and source: line_search.hpp, damping.hpp (of the
-// projected Hessian), eigenvalue_filtering.hpp (how much of it is projected), forcing.hpp (tolerance of iterative
-// linear solvers), local_elimination.hpp (of nodes that hold up the others), stopping_tests.hpp.
+// Around these lines, with formulas and sources: line_search.hpp, step_control.hpp (damping of the projected Hessian,
+// how much of it is projected, tolerance of iterative linear solvers), local_elimination.hpp (of nodes that hold up the
+// others), stopping_tests.hpp.
 #pragma once
 #include <functional>
 #include <limits>
@@ -22,20 +23,20 @@
 #include <vector>
 
 #include "base/stopwatch.hpp"
-#include "energy/options.hpp"
 #include "linalg/linear_solver.hpp"
-#include "method/damping.hpp"
-#include "method/eigenvalue_filtering.hpp"
-#include "method/forcing.hpp"
 #include "method/line_search.hpp"
 #include "method/local_elimination.hpp"
 #include "method/status.hpp"
+#include "method/step_control.hpp"
 
 namespace almesh {
 
 struct Functional;
 
-const char* to_string(HessianKind kind);
+inline const char* to_string(HessianKind kind) {
+    constexpr const char* names[] = {"full", "projected", "damping"};
+    return names[static_cast<int>(kind)];
+}
 
 // The tolerance of |grad E| is max(min(omega, reduction |grad E| at the start), omega_star); a reduction of 1 does not
 // lower it.
@@ -64,15 +65,12 @@ struct NewtonStep {
     int cuts_decrease = 0;     // trial lengths refused because E did not decrease enough
     HessianKind hessian = HessianKind::projected;
     bool is_last = false;      // of a local minimisation: it does not pay for another
-    LocalElimination::Result local;  // of the local minimisation after the step
+    LocalElimination::Result local = {};  // of the local minimisation after the step
     int linear_iterations = 0;
     SolverKind solver = SolverKind::automatic;      // who made the direction
     PreconditionerKind preconditioner = PreconditionerKind::automatic;  // automatic: none
     double ilu_shift = 0;                           // of the diagonal in ILU(0), see Ilu0::factor()
-    std::optional<SolveStatus> fallback;            // how an iterative solver failed before Cholesky took over
-
-    NewtonStep() = default;
-    NewtonStep(int number, HessianKind kind) : iteration(number), hessian(kind) {}
+    std::optional<SolveStatus> fallback = {};       // how an iterative solver failed before Cholesky took over
 };
 
 struct NewtonResult {
@@ -91,7 +89,7 @@ struct NewtonPolicies {
     Forcing forcing = Forcing::automatic;
     Damping damping = {};
     EigenvalueFiltering filtering = EigenvalueFiltering::of_mesh();
-    LocalElimination elimination = LocalElimination();
+    LocalElimination elimination = {};
 };
 
 using NewtonObserver = std::function<void(const NewtonStep&)>;
@@ -137,11 +135,10 @@ private:
     double gradient(const Functional& E, const std::vector<double>& x);
     bool find_direction(const Functional& E, const std::vector<double>& x, NewtonResult& at, NewtonStep& step);
     void search(const Functional& E, std::vector<double>& x, NewtonResult& at, NewtonStep& step);
-    std::vector<double> bend_of_inside(const std::vector<double>& x, const BendFunction& bend,
-                                       NewtonResult& at);
-    std::vector<double> complete(const std::vector<char>& fixed, const std::vector<double>& g, std::vector<double> d,
-                                 NewtonResult& at);
-    bool weaken(HessianKind& kind);
+    std::vector<double> correction_of_inside(const std::vector<double>& x, const Correction& correct, NewtonResult& at);
+    std::vector<double> with_inside(const std::vector<char>& fixed, const std::vector<double>& g, std::vector<double> d,
+                                    NewtonResult& at);
+    bool filter_more(HessianKind& kind);
     void eliminate_locally(const Functional& E, double gained, std::vector<double>& x, NewtonResult& at,
                            NewtonStep& step);
     void report(const NewtonResult& at, const std::vector<double>& x, NewtonStep& step, const NewtonObserver& observe);

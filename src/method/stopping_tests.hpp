@@ -3,7 +3,8 @@
 // Out of reach, of functionals without multipliers: a mesh that meets the target has the energy of its distortion
 // alone, which is not less than the minimum of E. Where that minimum is above `largest_energy` and nine tenths of it
 // are penalty, only meshes of no use could meet the target on this way. The minimum counts as found to 0.1 % once a
-// full step gains less than that. What the penalty makes of the best approximation error is in every E, and not counted.
+// full step gains less than that. What the penalty makes of the best approximation error is in every E, and not
+// counted.
 //
 // Attainable accuracy: with a large penalty, |grad E| cannot fall below some 1e-16 mu, and once the decrease that a
 // step promises is below the rounding error of E, energies can no longer be compared (line_search.hpp). From then on
@@ -20,36 +21,91 @@
 // Local minimisations (local_elimination.hpp) need no minimum: their last step is one that gains too little for
 // another, or takes them beyond the work that they may do.
 #pragma once
+#include <algorithm>
+#include <cmath>
 #include <optional>
 #include <vector>
 
+#include "base/interrupt.hpp"
+#include "method/functional.hpp"
 #include "method/newton.hpp"
 
 namespace almesh {
 
 // After a step of this length that took E from energy_before to energy; distortion: its part of E now.
-bool is_out_of_reach(double largest_energy, double energy_before, double energy, double step_length,
-                     double distortion);
+inline bool is_out_of_reach(double largest_energy, double energy_before, double energy, double step_length,
+                            double distortion) {
+    return energy > largest_energy && step_length >= 1 && energy_before - energy < 1e-3 * energy &&
+           distortion < 0.1 * energy;
+}
 
 // by_rounding: what the line search says of the step that took |grad E| from g_before to g.
-bool at_attainable_accuracy(bool by_rounding, double g_before, double g, double omega);
+inline bool at_attainable_accuracy(bool by_rounding, double g_before, double g, double omega) {
+    return by_rounding && g > 0.5 * g_before && g > omega;
+}
 
 class StoppingTests {
-public:
-    explicit StoppingTests(const NewtonParams& params) : params_(params) {}
+    static constexpr double short_step = 1e-8, unchanged = 1e-14;  // unchanged: relative difference of two energies
+    static constexpr int most_futile_steps = 3;
+    static constexpr double most_invisible = 3, shortest_invisible = 0.25;  // together; what a shorter step counts as
+    static constexpr double part_of_gain = 1e-3;  // of all steps so far: a local step with less is not worth another
 
-    // Whether the step from `before` to `at` is the last of a local minimisation.
-    bool is_last(const NewtonResult& before, const NewtonResult& at) const;
-    // Whether a minimisation ends, and how: before a step from the iterate `at`,
-    std::optional<Status> before_step(const NewtonResult& at) const;
-    // and after one from `before` to `at`, or none.
-    std::optional<Status> after_step(const NewtonStep& step, const NewtonResult& before, const NewtonResult& at,
-                                     const Functional& E, const std::vector<double>& x);
-
-private:
     const NewtonParams& params_;
     int futile_steps_ = 0;  // in a row
     double invisible_gain_ = 0, invisible_length_ = 0;  // of the steps since the last visible gain
+
+    static bool is_finite(const NewtonResult& at) {
+        return std::isfinite(at.energy) && std::isfinite(at.gradient_norm);
+    }
+
+public:
+    explicit StoppingTests(const NewtonParams& params) : params_(params) {}
+
+    // Whether a minimisation ends, and how, before a step from the iterate `at`.
+    std::optional<Status> before_step(const NewtonResult& at) const {
+        if (at.gradient_norm <= at.omega) return Status::converged;
+        if (!is_finite(at)) return Status::overflow;
+        if (at.iterations == params_.max_iterations) return Status::max_newton_iterations;
+        if (interrupted()) return Status::interrupted;
+        return std::nullopt;
+    }
+
+    // Whether the step from `before` to `at` is the last of a local minimisation.
+    bool is_last(const NewtonResult& before, const NewtonResult& at) const {
+        if (!params_.least_gain) return false;
+        const double gained = before.energy - at.energy;
+        return gained <= *params_.least_gain || gained <= part_of_gain * (at.start_energy - at.energy) ||
+               at.work > params_.most_work || at.iterations == params_.max_iterations;
+    }
+
+    // Whether a minimisation ends, and how, after a step from `before` to `at`.
+    std::optional<Status> after_step(const NewtonStep& step, const NewtonResult& before, const NewtonResult& at,
+                                     const Functional& E, const std::vector<double>& x) {
+        if (!step.has_direction) return Status::linear_solver_failed;
+        if (step.step_length == 0) return Status::line_search_failed;
+        if (params_.least_gain) return step.is_last ? std::optional(Status::converged) : std::nullopt;
+        const double gained = before.energy - at.energy;
+        const bool moves = step.step_length > short_step || gained > unchanged * std::abs(at.energy);
+        futile_steps_ = moves ? 0 : futile_steps_ + 1;
+        if (futile_steps_ == most_futile_steps) return Status::line_search_failed;
+        if (!is_finite(at)) return Status::overflow;
+        invisible_gain_ += gained;
+        invisible_length_ += std::clamp(step.step_length, shortest_invisible, 1.0);
+        const double visible = params_.visible_part > 0 ? params_.visible_part * E.distortion_energy(x, at.energy)
+                                                        : params_.visible_gain;
+        if (invisible_gain_ >= visible) invisible_gain_ = invisible_length_ = 0;
+        if (visible > 0 && invisible_length_ >= most_invisible && at.gradient_norm > at.omega)
+            return Status::no_visible_gain;
+        if (at.energy > params_.largest_energy) {
+            const double lost = E.lost_energy(x);
+            if (is_out_of_reach(params_.largest_energy, before.energy - lost, at.energy - lost, step.step_length,
+                                E.distortion_energy(x, at.energy)))
+                return Status::stalled;
+        }
+        if (at_attainable_accuracy(step.by_rounding, before.gradient_norm, at.gradient_norm, at.omega))
+            return Status::attainable_accuracy;
+        return std::nullopt;
+    }
 };
 
 }  // namespace almesh

@@ -182,7 +182,7 @@ CornerSmoothing smooth_corners(const Mesh& mesh, const std::vector<char>& fixed,
         Newton newton(E.hessian_pattern(), linear,
                       {.damping = Damping::none(),
                        .filtering = EigenvalueFiltering::of_few_nodes(),
-                       .elimination = LocalElimination(LocalElimination::Of::nothing)});
+                       .elimination = {LocalElimination::Of::nothing}});
         std::vector<double> y = E.read(at);
         NewtonParams params{.omega = 0, .max_iterations = steps_of_power, .least_gain = worthwhile * E.energy(y)};
         result.newton_steps += newton.minimise(E, params, y).iterations;

@@ -6,8 +6,8 @@
 #include "constraint/target.hpp"
 #include "energy/options.hpp"
 #include "linalg/linear_solver.hpp"
-#include "method/forcing.hpp"
 #include "method/schedule.hpp"
+#include "method/step_control.hpp"
 
 namespace almesh {
 

@@ -209,7 +209,7 @@ private:
         Newton newton(local->hessian_pattern(), linear_,
                       {.damping = Damping::none(),
                        .filtering = EigenvalueFiltering::of_few_nodes(),
-                       .elimination = LocalElimination(LocalElimination::Of::nothing)});
+                       .elimination = {LocalElimination::Of::nothing}});
         const auto minimise = [&](double reduction, int steps) {
             NewtonParams params{.omega = std::numeric_limits<double>::max(), .reduction = reduction};
             params.max_iterations = steps;

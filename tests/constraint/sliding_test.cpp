@@ -288,10 +288,10 @@ std::vector<double> moved(std::vector<double> x, double t, const std::vector<dou
 }
 
 // The same constraint, whose steps are straight.
-class Unbent : public SlidingBoundary {
+class Uncorrected : public SlidingBoundary {
 public:
     using SlidingBoundary::SlidingBoundary;
-    bool bends_steps() const override { return false; }
+    bool corrects_steps() const override { return false; }
 };
 
 AlResult solve(const Mesh& mesh, const std::vector<double>& ideal, Constraint& constraint, std::vector<double>& x) {
@@ -303,20 +303,20 @@ AlResult solve(const Mesh& mesh, const std::vector<double>& ideal, Constraint& c
 
 }  // namespace
 
-TEST_CASE("a bent step ends at the distances that the straight one has to first order, and is off it by O(t^2)") {
+TEST_CASE("a corrected step ends at the distances that the straight one has to first order, and is off it by O(t^2)") {
     const Case ring(ring_mesh(16, 2, 3), {{"outer", "slide"}});
     const Constraint& C = *ring.constraint;
-    CHECK(C.bends_steps());
+    CHECK(C.corrects_steps());
     const std::vector<double> x = wavy(ring.mesh.x, 2, 0.05), d = some_direction(x);
     double largest[2] = {};
     for (int k = 0; k < 2; ++k) {
         const double t = 0.1 / (1 << k);
         const std::vector<double> straight = moved(x, t, d);
-        std::vector<double> bent = straight;
-        C.bend(x, d, t, bent);
+        std::vector<double> corrected = straight;
+        C.correct(x, d, t, corrected);
         for (int i = 0; i < ring.mesh.nodes(); ++i) {
             const auto at = [i](const std::vector<double>& v) { return Vec<3>{v[2 * i], v[2 * i + 1], 0}; };
-            const double move = length(at(bent) - at(straight));
+            const double move = length(at(corrected) - at(straight));
             if (std::hypot(ring.mesh.x[2 * i], ring.mesh.x[2 * i + 1]) < 2.9) {  // not on the outer circle
                 CHECK(move == 0);
                 continue;
@@ -324,32 +324,32 @@ TEST_CASE("a bent step ends at the distances that the straight one has to first 
             largest[k] = std::max(largest[k], move);
             const double r = length(at(x));
             const double predicted = r - 3 + t * dot(at(x), at(d)) / r;
-            CHECK(length(at(bent)) - 3 == doctest::Approx(predicted).epsilon(1e-12).scale(1));
+            CHECK(length(at(corrected)) - 3 == doctest::Approx(predicted).epsilon(1e-12).scale(1));
         }
     }
     CHECK(largest[1] > 1e-5);
     CHECK(std::log2(largest[0] / largest[1]) == doctest::Approx(2).epsilon(0.1));
 }
 
-TEST_CASE("a rotor in a casing takes few steps, because they are bent") {
+TEST_CASE("a rotor in a casing takes few steps, because they are corrected") {
     const Mesh mesh = ring_mesh(24, 5, 5);
     const std::vector<double> ideal = straight_sided(mesh);
     const BoundaryTarget target = target_of(mesh, {{"inner", "rotate 40; translate 1 0"}, {"outer", "slide"}});
     const auto sliding = surfaces_of(mesh, target);
-    SlidingBoundary bent(mesh, ideal, target, sliding);
-    Unbent straight(mesh, ideal, target, sliding);
+    SlidingBoundary corrected(mesh, ideal, target, sliding);
+    Uncorrected straight(mesh, ideal, target, sliding);
     std::vector<double> x;
-    const AlResult result = solve(mesh, ideal, bent, x);
+    const AlResult result = solve(mesh, ideal, corrected, x);
     CHECK(std::string(to_string(result.status)) == "converged");
-    CHECK(bent.relative_error(x) < 1e-3);
+    CHECK(corrected.relative_error(x) < 1e-3);
     CHECK(result.newton_iterations <= 20);
     CHECK(solve(mesh, ideal, straight, x).newton_iterations > 3 * result.newton_iterations);
 }
 
-TEST_CASE("a target that prescribes all places bends nothing, surfaces or not") {
+TEST_CASE("a target that prescribes all places corrects nothing, surfaces or not") {
     const Mesh mesh = ring_mesh(16, 2, 3);
     const BoundaryTarget slides = target_of(mesh, {{"outer", "slide"}}), prescribed = target_of(mesh, {});
-    CHECK(!make_constraint(mesh, mesh.x, prescribed, TargetKind::nodal, surfaces_of(mesh, slides))->bends_steps());
+    CHECK(!make_constraint(mesh, mesh.x, prescribed, TargetKind::nodal, surfaces_of(mesh, slides))->corrects_steps());
 }
 
 // A cube with a roof whose two halves slide: at a ridge of few degrees the surfaces do not tell where it is.

@@ -18,7 +18,7 @@ namespace {
 // Of Newton's method over the whole mesh: local minimisations have no bound.
 LocalElimination after_much_work() {
     LocalElimination elimination;
-    elimination.add_work_of_newton(1e12);
+    elimination.work_of_newton += 1e12;
     return elimination;
 }
 
@@ -54,7 +54,7 @@ int nodes_for(const Mesh& mesh, const std::vector<std::pair<int, double>>& gradi
     E.hessian(x, HessianKind::projected, H);
     double energy = E.energy(x);
     LocalElimination elimination;
-    elimination.set_from_coarser(from_coarser);
+    elimination.from_coarser = from_coarser;
     return elimination.eliminate(E, H, g, 0, x, energy).nodes;
 }
 
@@ -173,9 +173,9 @@ TEST_CASE("local minimisations begin after the thirteenth step, or the first aft
         for (int times = 0; times < 2; ++times) {
             for (int step = 1; step <= steps; ++step) CHECK(is_due(step, 1e9) == (step > 12));
             CHECK(is_due(1, 1e9) == (steps > 10));  // of the next subproblem
-            elimination.reset();
+            elimination.was_hard = elimination.is_hard = false;
         }
-    elimination.set_from_coarser(true);
+    elimination.from_coarser = true;
     CHECK(is_due(1, 0));
     CHECK_FALSE(is_due(1, 1e9));
 }
@@ -187,11 +187,11 @@ TEST_CASE("local minimisations wait while they have done more than a sixth of th
     REQUIRE(is_due());
     elimination.eliminate(at.E, at.H, at.g, 0, at.x, at.energy);
     CHECK_FALSE(is_due());
-    const double work = elimination.state().work;
+    const double work = elimination.work;
     CHECK(work > 2 * at.E.distortion.hessian_work() * 0.1);  // elements around the node, in some steps
-    elimination.add_work_of_newton(5.5 * work);
+    elimination.work_of_newton += 5.5 * work;
     CHECK_FALSE(is_due());
-    elimination.reset();  // the run goes on
+    elimination.was_hard = elimination.is_hard = false;  // the run goes on
     CHECK_FALSE(is_due());
     CHECK_FALSE(elimination.is_due(1000, at.H, at.g, 0));
 }
@@ -206,15 +206,15 @@ TEST_CASE("a dear local minimisation ends when all have done more than a quarter
     LocalElimination cheap;  // linear elements, nothing known of a coarser mesh
     CHECK(relax(cheap) > 2);
     LocalElimination unbounded = after_much_work();
-    unbounded.set_from_coarser(true);
+    unbounded.from_coarser = true;
     const int steps = relax(unbounded);
     REQUIRE(steps > 2);
-    const double work = unbounded.state().work;
+    const double work = unbounded.work;
     for (const double part : {1.0, 0.5, 0.0}) {  // of that work, which the bound leaves room for
         CAPTURE(part);
         LocalElimination bounded;
-        bounded.set_from_coarser(true);
-        bounded.add_work_of_newton(part * work / 0.26);
+        bounded.from_coarser = true;
+        bounded.work_of_newton += part * work / 0.26;
         const int fewer = relax(bounded);
         CHECK((fewer == steps) == (part == 1));
         if (part == 0) CHECK(fewer == 1);
