@@ -155,7 +155,7 @@ QUICK_FLAGS := -O1 -march=native
 CCACHE     = $(if $(findstring ccache,$(CXX)),,$(shell command -v ccache >/dev/null && echo ccache))
 QUICK_OUT  = *both assemblies agree*,random steps of curved*,240 random*,fuzzing*,the same bits*,$\
              large graphs*,*killed at some*
-quick: doctest ## after an edit: build with -O1 and run the fast tests, or those of some files (ONLY="newton snap")
+quick: doctest ## after an edit: build with -O1 and run the fast tests, or those of some files (ONLY="newton polish")
 	$(MAKE) BUILD=build-quick CXX='$(strip $(CCACHE) $(CXX))' CXXFLAGS='$(QUICK_FLAGS)' WERROR=-Werror JOINED=no run-quick-tests
 run-quick-tests: $(BUILD)/almesh-tests
 	$(BUILD)/almesh-tests $(if $(ONLY),-sf="$$(printf '*tests/*%s*,' $(notdir $(basename $(ONLY))))", \

@@ -299,7 +299,7 @@ Derivative MovingMesh::State::derivative(Moved& at) {
     const Level& level = *problem->level;
     if (deck.distortion.objective != Objective::minimax) set_functional(deck, *problem);
     Derivative derivative(level.mesh, *level.energy, *level.constraint, deck.linear);
-    derivative.settle(x);
+    derivative.polish(x);
     at.x = to_arrays(final_positions(*problem, x));
     return derivative;
 }

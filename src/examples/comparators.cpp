@@ -1,7 +1,7 @@
 // The methods that the paper argues against, on the mesh and the motion of a deck: the boundary is set on its target,
 // at once or in load increments, and the nodes inside
 //
-//   harmonic, elasticity   follow by method/linear_extension.hpp
+//   harmonic, elasticity   follow by linear_extension.hpp
 //   set                    are where the distortion is least (method/set_boundary.hpp)
 //   untangle               follow, and the distortion is minimised with the regularised determinant of Eq. 3, which
 //                          inverted elements may have, for delta = 0.3, 0.1, 0.03, ... until the mesh is valid; then
@@ -15,9 +15,9 @@
 
 #include "base/parallel.hpp"
 #include "base/text.hpp"
+#include "examples/linear_extension.hpp"
 #include "linalg/vector_ops.hpp"
 #include "method/functional.hpp"
-#include "method/linear_extension.hpp"
 #include "method/set_boundary.hpp"
 #include "problem/solve.hpp"
 #include "report/results.hpp"

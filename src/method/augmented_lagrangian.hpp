@@ -43,6 +43,11 @@ inline Status outcome(const AlResult& al) {
     return settled && al.status == Status::converged ? Status::no_visible_gain : al.status;
 }
 
+// Of a minimisation without multipliers: an attainable accuracy up to omega0 counts as converged.
+inline Status status_of(const NewtonResult& solved, double omega0) {
+    return at_floor(solved.status) && solved.gradient_norm <= omega0 ? Status::converged : solved.status;
+}
+
 struct AlObserver {
     std::function<void(const AlIteration&)> iteration;
     std::function<void(int al_iteration, const NewtonStep&)> newton_step;

@@ -6,15 +6,13 @@
 //     L(x, f) = E(x) + sum_i f_i . r_i(x_i),   grad L = 0,   r = 0,
 //
 // where r_i = x_i - g_i at a boundary node that has a target g_i (with a target beyond the trace space its projection,
-// at which snap.hpp sets the nodes), and the sum of its distance vectors from its surfaces where it slides
-// (sliding_boundary.hpp). With D_i = dr_i/dx_i let P_i project onto the directions in which node i is free, D P = 0:
-// none where it has a target, the tangents of its surface where it slides, all inside. Then P grad E = 0, D f = -grad
-// E, and a change of the boundary moves the nodes by
+// at which polish.hpp sets the nodes), and the sum of its distance vectors from its surfaces where it slides
+// (sliding_boundary.hpp). With P, D, f and K as polish.hpp has them a change of the boundary moves the nodes by
 //
-//     dx = G + P y,   P (H + K) P y = -P (H G + q),   H = E''(x),   K_i = f_i . r_i''(x_i),
+//     dx = G + P y,   P (H + K) P y = -P (H G + q),   H = E''(x),
 //
-// D G = -dr and q = K G + d(D'f), d at fixed x and f. K is what the curvature of the surfaces adds. Where the target of
-// a node, or its surface as it is, is shifted by dg_i, G = dg and q = 0. The derivative of a function J(x) is
+// D G = -dr and q = K G + d(D'f), d at fixed x and f. Where the target of a node, or its surface as it is, is shifted
+// by dg_i, G = dg and q = 0. The derivative of a function J(x) is
 //
 //     dJ = (dJ/dx + H P p) . G + P p . q,   P (H + K) P p = -P dJ/dx,
 //
@@ -30,8 +28,9 @@
 #include "constraint/constraint.hpp"
 #include "energy/distortion_energy.hpp"
 #include "linalg/linear_solver.hpp"
-#include "method/p_norm.hpp"
 #include "mesh/mesh.hpp"
+#include "method/p_norm.hpp"
+#include "method/polish.hpp"
 
 namespace almesh {
 
@@ -42,14 +41,13 @@ struct BoundaryChange {
 
 class Derivative {
 public:
-    Derivative(const Mesh& mesh, DistortionEnergy& energy, const Constraint& constraint,
-               const LinearSolverParams& linear);
+    Derivative(const Mesh& mesh, DistortionEnergy& energy, Constraint& constraint, const LinearSolverParams& linear);
 
-    // Sets the boundary of x, the result of a run, to its target; makes x stationary to rounding by Newton's method.
-    void settle(std::vector<double>& x);
+    // Takes x, the result of a run, to where it is stationary to rounding, with the boundary on its target.
+    void polish(std::vector<double>& x);
 
-    // There: dx; dJ/dG and dJ/dq. The first call factors P (H + K) P, by Cholesky unless `linear` says otherwise or it
-    // does not fit the memory. As settle() they throw Error, which says why x has no derivative.
+    // There: dx; dJ/dG and dJ/dq. With the factor of P (H + K) P, by Cholesky unless `linear` says otherwise or it does
+    // not fit the memory. As polish() they throw Error, which says why x has no derivative.
     std::vector<double> tangent(const BoundaryChange& change);
     BoundaryChange adjoint(const std::vector<double>& dJ_dx);
 
@@ -59,19 +57,11 @@ public:
     BoundaryChange change(BoundaryChange of_residual) const;
 
 private:
-    // Of one of the constraint's nodes.
-    struct Node {
-        int node;
-        Mat<3> P, D_inverse, K;  // D_inverse: where D is not zero
-        Vec<3> f;
-    };
-
     const Mesh& mesh_;
     DistortionEnergy& energy_;
-    const Constraint& constraint_;
-    LinearSolverParams linear_;
-    std::vector<Node> nodes_;
-    std::vector<int> place_;  // per node: which of these it is, or -1
+    OnTarget on_target_;
+    const LinearSolverParams given_;
+    LinearSolverParams linear_ = given_;
     std::vector<double> x_;
     BlockCsr H_, A_;          // H + u v'; A = P (H_ + K) P, and on the rest of each diagonal block a multiple of 1
     std::unique_ptr<LinearSolver> solver_;
@@ -85,7 +75,6 @@ private:
     // P (A - P u v' P)^-1 b, by the formula of Sherman and Morrison.
     std::vector<double> solve(const std::vector<double>& b, std::vector<double> u, const std::vector<double>& v);
     std::vector<double> solve_with_A(const std::vector<double>& b);  // P A^-1 b
-    void project(std::vector<double>& v) const;               // P v
 };
 
 }  // namespace almesh

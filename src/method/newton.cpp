@@ -163,14 +163,18 @@ std::vector<double> Newton::correction_of_inside(const std::vector<double>& x, c
     return with_inside(is_corrected, {}, std::move(B), at);
 }
 
-bool Newton::lead(const Functional& E, HessianKind kind, const std::vector<char>& fixed, const std::vector<double>& x,
-                  std::vector<double>& d) {
+bool Newton::predict(const Functional& E, HessianKind kind, const std::vector<char>& fixed,
+                     const std::vector<double>& x, std::vector<double>& to) {
     gradient(E, x);
     E.hessian(x, kind, H_);
     NewtonResult counts;
     forcing_.start();
     solver_.set_tolerance(forcing_.value);
+    std::vector<double> d(x.size());
+    for (std::size_t i = 0; i < d.size(); ++i) d[i] = to[i] - x[i];
     d = with_inside(fixed, g_, std::move(d), counts);
+    for (std::size_t i = 0; i < d.size(); ++i)
+        if (!fixed[i / H_.d]) to[i] += d[i];
     return !d.empty();
 }
 

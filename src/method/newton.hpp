@@ -113,10 +113,10 @@ public:
     NewtonResult minimise(const Functional& E, const NewtonParams& params, std::vector<double>& x,
                           const NewtonObserver& observe = {});
 
-    // The step from x that takes the nodes `fixed` by what d has there, and the others to the minimum of the model with
-    // the Hessian of this kind, H_II d_I = -(g_I + H_IB d_B); d is zero there. False where there is none.
-    bool lead(const Functional& E, HessianKind kind, const std::vector<char>& fixed, const std::vector<double>& x,
-              std::vector<double>& d);
+    // The predictor from x. to: x with the nodes `fixed` somewhere else; on return the others are where the model with
+    // the Hessian of this kind has its minimum, H_II d_I = -(g_I + H_IB d_B), d = to - x. False where there is none.
+    bool predict(const Functional& E, HessianKind kind, const std::vector<char>& fixed, const std::vector<double>& x,
+                 std::vector<double>& to);
 
 private:
     BlockCsr H_;

@@ -6,7 +6,6 @@
 #include "base/interrupt.hpp"
 #include "linalg/vector_ops.hpp"
 #include "method/functional.hpp"
-#include "method/linear_extension.hpp"
 
 namespace almesh {
 namespace {
@@ -14,27 +13,16 @@ namespace {
 constexpr double least_part = 1.0 / 64;  // of an increment
 constexpr double of_gradient = 0.03;     // tolerance of increments before the last, relative to their motion
 
-// As Algorithm 1 has it: an attainable accuracy up to omega0 counts as converged.
-Status status_of(const NewtonResult& solved, double omega0) {
-    return at_floor(solved.status) && solved.gradient_norm <= omega0 ? Status::converged : solved.status;
-}
-
-// x with the boundary nodes at `targets`: x itself where they are there, else the first valid one of: moved inside as an
-// elastic solid, not moved there; empty where neither is valid.
-std::vector<double> valid_start(const Level& level, const LinearSolverParams& linear, const std::vector<char>& fixed,
+// x with the boundary nodes at `targets`: x itself where they are there, else the first valid one of: moved inside as
+// an elastic solid, not moved there; empty where neither is valid.
+std::vector<double> valid_start(const Level& level, const AugmentedFunctional& E, Newton& newton,
                                 const std::vector<double>& targets, const std::vector<double>& x, int& solves) {
     const std::vector<double> set = level.with_boundary(targets, x);
     if (set == x) return level.is_valid(x) ? x : std::vector<double>();
-    std::vector<double> u(x.size()), moved = set;
-    for (std::size_t i = 0; i < x.size(); ++i) u[i] = set[i] - x[i];
+    std::vector<double> moved = set;
     ++solves;
-    const BlockCsr pattern = level.energy->hessian_pattern();
-    if (extend_displacement(level.mesh, pattern, elastic_stiffness, linear, x, fixed, u).status ==
-        SolveStatus::success) {
-        for (std::size_t i = 0; i < x.size(); ++i)
-            if (!fixed[i / level.mesh.dim]) moved[i] = x[i] + u[i];
-        if (level.is_valid(moved)) return moved;
-    }
+    const AugmentedFunctional of_all_nodes(E.distortion, E.constraint, E.lambda);
+    if (newton.predict(of_all_nodes, HessianKind::damping, E.fixed, x, moved) && level.is_valid(moved)) return moved;
     return level.is_valid(set) ? set : std::vector<double>();
 }
 
@@ -74,7 +62,7 @@ AlResult minimise_with_boundary_set(const Level& level, Newton& newton, const Me
     increase_load(0, size, increments > 1 ? least_part * size : size, [&](const Increment& at) {
         wanted.omega = at.is_last() ? schedule.omega_star : loosened(schedule, level, of_gradient * at.size).omega_star;
         const std::vector<double> start =
-            valid_start(level, params.linear, E.fixed, targets_at(level, at.to), x, result.newton_iterations);
+            valid_start(level, E, newton, targets_at(level, at.to), x, result.newton_iterations);
         result.status = interrupted() ? Status::interrupted : Status::invalid_start;
         if (start.empty()) return increments > 1 && !interrupted() ? StageEnd::failed : StageEnd::over;
         x = start;

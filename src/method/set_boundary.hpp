@@ -3,7 +3,7 @@
 // fails, and meshes that are improved take it where their boundary stays as it is.
 //
 //   x = ideal mesh; for t = 1/n, 2/n, ..., 1: the boundary to its position at the fraction t of the motion, the nodes
-//   inside as those of an elastic solid (linear_extension.hpp), then Newton's method with the boundary fixed
+//   inside as those of an elastic solid (Newton::predict()), then Newton's method with the boundary fixed
 #pragma once
 #include <vector>
 

@@ -8,7 +8,7 @@
 #include "constraint/sliding_boundary.hpp"
 #include "constraint/sliding_nodes.hpp"
 #include "method/levels.hpp"
-#include "method/snap.hpp"
+#include "method/polish.hpp"
 
 namespace almesh {
 namespace {

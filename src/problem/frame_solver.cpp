@@ -3,19 +3,17 @@
 //     x_{k-1} + (t_k - t_{k-1}) / (t_{k-1} - t_{k-2}) (x_{k-1} - x_{k-2}),
 //
 // the first step takes the boundary to its target, and the nodes inside to the minimum of the quadratic model at y with
-// it there: H_II d_I = -(g_I + H_IB d_B), d_B = g_D - y_B. Newton's method with the boundary fixed goes on. Where that
-// step is not valid, Algorithm 1 takes the boundary to its target.
+// it there: H_II d_I = -(g_I + H_IB d_B), d_B = g_D - y_B. Newton's method with the boundary fixed goes on. Where this
+// predictor is not valid, Algorithm 1 takes the boundary to its target.
 #include "problem/frame_solver.hpp"
 
 #include <cmath>
-#include <limits>
 
 #include "problem/solve.hpp"
 #include "report/iteration_table.hpp"
 #include "base/index.hpp"
-#include "method/functional.hpp"
 #include "method/levels.hpp"
-#include "method/snap.hpp"
+#include "method/polish.hpp"
 
 namespace almesh {
 namespace {
@@ -27,26 +25,6 @@ bool may_follow(const ProblemOptions& options) {
            options.distortion.delta == 0;
 }
 
-// Of a minimisation with the boundary fixed, as Algorithm 1 has it.
-bool is_solved(const NewtonResult& result, const AugmentedLagrangianParams& params) {
-    return result.status == Status::converged ||
-           (at_floor(result.status) && result.gradient_norm <= params.omega0);
-}
-
-// Nothing but the distortion, of the nodes that are not fixed. Near its minimum the rounding of eta counts: the energy
-// of (eta - 1)^2 is known to 2 (eta - 1) eps, however small it is.
-struct Distortion : AugmentedFunctional {
-    double rounding = 0;
-
-    Distortion(const Level& level, const std::vector<double>& x, std::vector<char> nodes)
-        : AugmentedFunctional(*level.energy, *level.constraint,
-                              std::vector<double>(level.constraint->multipliers(), 0.0), 0, std::move(nodes)) {
-        constexpr double unit = 4 * std::numeric_limits<double>::epsilon();
-        rounding = unit * distortion.mean_slope(distortion.energy(x)) * distortion.domain_volume();
-    }
-    double rounding_error(const std::vector<double>&, std::vector<double>&) const override { return rounding; }
-};
-
 }  // namespace
 
 Solution FrameSolver::solve(const ProblemOptions& options, const FramesBefore& before, FrameRow& row,
@@ -57,7 +35,7 @@ Solution FrameSolver::solve(const ProblemOptions& options, const FramesBefore& b
         row.started_from = start(options, row.t, before, x);
         if (!row.started_from.empty()) {
             const HessianKind kind = row.started_from == "ideal" ? HessianKind::damping : HessianKind::full;
-            Solution solution = lead(options, x, kind);
+            Solution solution = predict(options, x, kind);
             if (solution.al.status == Status::stalled) solution = solve_from(options, x, observer);
             const Status status = solution.al.status;
             if (status == Status::converged || status == Status::interrupted) return solution;
@@ -128,29 +106,25 @@ Newton& FrameSolver::newton(const ProblemOptions& options) {
     return *newton_;
 }
 
-// Stalled where the first step is not valid, or there is none.
-Solution FrameSolver::lead(const ProblemOptions& options, const std::vector<double>& x, HessianKind kind) {
+// Stalled where the predictor is not valid, or there is none.
+Solution FrameSolver::predict(const ProblemOptions& options, const std::vector<double>& x, HessianKind kind) {
     Level& level = *problem_.level;
     Solution solution;
     solution.al.status = Status::stalled;
-    if (!settles(options)) return solution;
+    if (!is_polished(options)) return solution;
     solution.x = level.with_boundary(level.constraint->targets(x), x);
-    std::vector<double> d(x.size());
-    for (std::size_t i = 0; i < d.size(); ++i) d[i] = solution.x[i] - x[i];
-    const std::vector<char> fixed = level.on_boundary();
-    if (!newton(options).lead(Distortion(level, x, {}), kind, fixed, x, d)) return solution;
-    for (std::size_t i = 0; i < x.size(); ++i)
-        if (!fixed[i / level.mesh.dim]) solution.x[i] += d[i];
-    if (!std::isfinite(level.energy->energy(solution.x)) || !is_valid_between(x, solution.x)) return solution;
-    solution.al.newton_iterations = 1;
     solution.al.lambda.assign(level.constraint->multipliers(), 0.0);
+    const AugmentedFunctional E(*level.energy, *level.constraint, solution.al.lambda);
+    if (!newton(options).predict(E, kind, level.on_boundary(), x, solution.x) ||
+        !std::isfinite(level.energy->energy(solution.x)) || !is_valid_between(x, solution.x))
+        return solution;
+    solution.al.newton_iterations = 1;
     solution.al.iterations.emplace_back();
-    solution.al.status = Status::converged;
-    settle(options, solution);
+    polish(options, solution);
     return solution;
 }
 
-// Near the solution a large penalty costs no steps. What settles needs no more than to come near.
+// Near the solution a large penalty costs no steps. What is polished needs no more than to come near.
 Solution FrameSolver::solve_from(const ProblemOptions& options, const std::vector<double>& x,
                                  const AlObserver& observer) {
     Level& level = *problem_.level;
@@ -158,11 +132,11 @@ Solution FrameSolver::solve_from(const ProblemOptions& options, const std::vecto
     solution.x = x;
     const AlStart start = AlStart::from_near(*level.constraint, largest_start_penalty);
     AugmentedLagrangianParams params = options.method;
-    if (settles(options)) params.omega_star = std::min(1e3 * params.omega_star, std::max(1e-5, params.omega_star));
+    if (is_polished(options)) params.omega_star = std::min(1e3 * params.omega_star, std::max(1e-5, params.omega_star));
     solution.al = minimise(*level.energy, *level.constraint, newton(options), params, solution.x, observer, start);
     if (solution.al.status == Status::converged) place_inside_volumes(problem_, solution.x);
     snap(options, problem_, solution);
-    if (settles(options)) settle(options, solution);
+    if (is_polished(options) && solution.al.status == Status::converged) polish(options, solution);
     return solution;
 }
 
@@ -191,26 +165,21 @@ Solution FrameSolver::solve_anew(const ProblemOptions& options, FrameRow& row, c
     return nearer;
 }
 
-bool FrameSolver::settles(const ProblemOptions& options) const {
+bool FrameSolver::is_polished(const ProblemOptions& options) const {
     return may_follow(options) && problem_.target.prescribes_all();
 }
 
-// Algorithm 1 ends within its tolerances of the target, from wherever it came. With the boundary on the target to the
-// last bit, the nodes inside go to their minimum as nearly as it can be computed.
-void FrameSolver::settle(const ProblemOptions& options, Solution& solution) {
-    Level& level = *problem_.level;
-    if (solution.al.status != Status::converged) return;
-    solution.al.status = Status::stalled;
-    if (nodes_off_target(*level.constraint, solution.x) > 0) return;
+// Algorithm 1 ends within its tolerances of the target, from wherever it came: the minimum does not depend on that.
+void FrameSolver::polish(const ProblemOptions& options, Solution& solution) {
     constexpr double of_tolerance = 1e-7;
-    const Distortion inside(level, solution.x, level.on_boundary());
-    NewtonParams wanted;
-    wanted.omega = of_tolerance * options.method.omega_star;
-    wanted.first = HessianKind::full;
-    const NewtonResult settled = newton(options).minimise(inside, wanted, solution.x);
-    add_counts(settled, solution.al);
-    if (!is_solved(settled, options.method)) return;
-    solution.al.status = Status::converged;
+    Level& level = *problem_.level;
+    OnTarget E(*level.energy, *level.constraint, level.mesh.nodes());
+    const double omega = of_tolerance * options.method.omega_star;
+    const NewtonResult polished = almesh::polish(E, newton(options), omega, solution.x);
+    add_counts(polished, solution.al);
+    const bool is_solved = status_of(polished, options.method.omega0) == Status::converged;
+    solution.al.status = is_solved ? Status::converged : Status::stalled;
+    if (!is_solved) return;
     place_inside_volumes(problem_, solution.x);
     measure(*level.energy, *level.constraint, solution.x, solution.al.distortion, solution.al.iterations.back());
 }

@@ -37,11 +37,11 @@ private:
     void prepare(const ProblemOptions& options);
     std::string start(const ProblemOptions& options, double t, const FramesBefore& before,
                       std::vector<double>& x) const;
-    Solution lead(const ProblemOptions& options, const std::vector<double>& x, HessianKind kind);
+    Solution predict(const ProblemOptions& options, const std::vector<double>& x, HessianKind kind);
     Solution solve_from(const ProblemOptions& options, const std::vector<double>& x, const AlObserver& observer);
     Solution solve_anew(const ProblemOptions& options, FrameRow& row, const AlObserver& observer);
-    bool settles(const ProblemOptions& options) const;
-    void settle(const ProblemOptions& options, Solution& solution);
+    bool is_polished(const ProblemOptions& options) const;
+    void polish(const ProblemOptions& options, Solution& solution);
 };
 
 }  // namespace almesh

@@ -8,7 +8,7 @@
 #include "method/set_boundary.hpp"
 #include "method/levels.hpp"
 #include "method/p_norm.hpp"
-#include "method/snap.hpp"
+#include "method/polish.hpp"
 #include "problem/curving.hpp"
 #include "problem/so_far.hpp"
 

@@ -1,7 +1,7 @@
 #include "lessons/exercises/05.hpp"
 
 #include "lessons/exercise.hpp"
-#include "method/linear_extension.hpp"
+#include "examples/linear_extension.hpp"
 #include "method/set_boundary.hpp"
 #include "problem/problem.hpp"
 

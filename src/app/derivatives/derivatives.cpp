@@ -201,7 +201,7 @@ ExitCode differentiate(const std::vector<std::string>& arguments, std::FILE* out
                         "no derivative: the mesh was made valid by parts, and is no minimum of one functional");
         Level& level = *problem.level;
         Derivative derivative(level.mesh, *level.energy, *level.constraint, deck.linear);
-        derivative.settle(solution.x);
+        derivative.polish(solution.x);
         measure(*level.energy, *level.constraint, solution.x, solution.al.distortion, solution.al.iterations.back());
         if (adjoint) told = write_adjoint(deck, problem, derivative, columns);
         else write_tangent(deck, problem, derivative, columns);

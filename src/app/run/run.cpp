@@ -21,9 +21,6 @@
 #include "base/text.hpp"
 #include "base/version.hpp"
 #include "check/boundary_distance.hpp"
-#include "method/levels.hpp"
-#include "method/snap.hpp"
-#include "method/p_norm.hpp"
 
 namespace almesh {
 namespace {

@@ -1,4 +1,4 @@
-#include "method/snap.hpp"
+#include "method/polish.hpp"
 
 #include <doctest/doctest.h>
 

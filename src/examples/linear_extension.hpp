@@ -15,7 +15,6 @@
 
 #include "base/small_matrix.hpp"
 #include "linalg/linear_solver.hpp"
-#include "mesh/mesh.hpp"
 #include "mesh/part.hpp"
 #include "mesh/quadrature.hpp"
 #include "method/fixed_nodes.hpp"
@@ -89,8 +88,9 @@ void add_element(const ReferenceElement& reference, const int* node, StiffnessAt
 
 // u: node_count x dim, on entry the displacement of the fixed nodes, zero at all others, on return of all nodes.
 // x: node_count x dim, the mesh on which K is; K: the pattern of the Hessian of the mesh's energy.
-inline SolveResult extend_displacement(const Mesh& mesh, BlockCsr K, StiffnessAt stiffness, const LinearSolverParams& linear,
-                          const std::vector<double>& x, const std::vector<char>& fixed, std::vector<double>& u) {
+inline SolveResult extend_displacement(const Mesh& mesh, BlockCsr K, StiffnessAt stiffness,
+                                       const LinearSolverParams& linear, const std::vector<double>& x,
+                                       const std::vector<char>& fixed, std::vector<double>& u) {
     std::fill(K.value.begin(), K.value.end(), 0.0);
     for (const ElementGroup& group : mesh.element_groups()) {
         const Quadrature quadrature = cell_quadrature(*group.cell, exactness_of(*group.cell, mesh.degree));

@@ -1,4 +1,4 @@
-#include "method/linear_extension.hpp"
+#include "examples/linear_extension.hpp"
 
 #include <doctest/doctest.h>
 
