@@ -28,69 +28,117 @@ AugmentedLagrangianParams impatient(AugmentedLagrangianParams params) {
     return params;
 }
 
-struct Increments {
-    std::optional<AlResult> last;  // of those that were tried
-    bool ended = false;            // with the whole motion, or interrupted
-    int steps = 0;                 // all Newton steps
-};
+// The ways to the target that are tried one after the other, until one succeeds. x: always the last iterate.
+struct Ways {
+    const Level& level;
+    Newton& newton;
+    const MethodParams& method;
+    std::vector<double>& x;
+    const AlObserver& observer;
+    const StageObserver& observe_stage;
+    Standing& standing = *method.standing;
+    int steps = 0;  // of Newton's method, on all of them
 
-// From x, where the increments up to `from` have led, and the given start. x: on return the last iterate. steps: on
-// increments and attempts before.
-Increments solve_increments(const Level& level, Newton& newton, const MethodParams& method, double from, double size,
-                            int steps, std::vector<double>& x, const AlStart& first, const AlObserver& observer,
-                            const StageObserver& observe_stage) {
-    const AugmentedLagrangianParams& params = method.schedule;
-    Increments all;
-    all.steps = steps;
-    std::vector<double> reached = x;
-    increase_load(from, size, least_increment, [&](const Increment& at) {
-        Standing& standing = *method.standing;
-        standing.fraction = at.from;
-        standing.x = at.is_last() ? std::vector<double>() : reached;
-        if (at.from > from) standing.lambda.clear(), standing.mu = 0;
-        if (all.steps > most_steps_of_all) return StageEnd::over;
-        const auto constraint = at.is_last() ? nullptr : level.constraint_at(at.to);
-        if (!at.is_last() && !constraint) return StageEnd::over;
-        x = reached;
-        const AlStart start = at.from > from ? AlStart::from_near(*level.constraint) : first;
-        AlResult result =
-            at.is_last()
-                ? minimise(*level.energy, *level.constraint, newton, impatient(params), x, observer, start)
-                : minimise(*level.energy, *constraint, newton, impatient(loosened(params, level)), x, {}, start);
-        all.steps += result.newton_iterations;
-        if (!at.is_last()) {
-            if (observe_stage)
-                observe_stage({level.mesh.nodes(), result.status, result.iterations.back(), result.newton_iterations,
-                               at.to});
-            measure(*level.energy, *level.constraint, x, result.distortion, result.iterations.back());
-        }
-        const bool solved = succeeded(result);
-        all.ended = solved && (at.is_last() || result.status == Status::interrupted);
-        all.last = std::move(result);
-        if (all.ended) return StageEnd::over;
-        if (solved) reached = x;
-        return solved ? StageEnd::solved : StageEnd::failed;
-    });
-    return all;
-}
-
-// Algorithm 1 from a mesh with the boundary set on its target in so many increments, where it succeeds from there.
-// steps: adds all Newton steps.
-std::optional<AlResult> minimise_from_target(const Level& level, Newton& newton, MethodParams params, int increments,
-                                             std::vector<double>& x, int& steps, const AlObserver& observer) {
-    if (params.is_start || level.turn > most_at_once || level.energy->delta() > 0) return std::nullopt;
-    params.schedule = impatient(params.schedule);
-    x = level.ideal;
-    AlResult result = minimise_with_boundary_set(level, newton, params, increments, x);
-    steps += result.newton_iterations;
-    if (result.status == Status::converged) {
-        const AlStart start = AlStart::from_near(*level.constraint);
-        result = minimise(*level.energy, *level.constraint, newton, params.schedule, x, observer, start);
+    AlResult solve(Constraint& constraint, const AugmentedLagrangianParams& schedule, const AlStart& start,
+                   const AlObserver& observe) {
+        AlResult result = minimise(*level.energy, constraint, newton, schedule, x, observe, start);
         steps += result.newton_iterations;
+        return result;
     }
-    if (!succeeded(result)) return std::nullopt;
-    return result;
-}
+
+    void stand_at_whole_motion() {
+        standing.fraction = 1;
+        standing.x.clear();
+    }
+
+    AlResult at_once(const AugmentedLagrangianParams& schedule, const AlStart& start) {
+        stand_at_whole_motion();
+        return solve(*level.constraint, schedule, start, observer);
+    }
+
+    // From a mesh with the boundary set on its target in so many increments; nothing where that does not succeed.
+    std::optional<AlResult> from_target(int increments) {
+        stand_at_whole_motion();
+        if (method.is_start || level.turn > most_at_once || level.energy->delta() > 0) return std::nullopt;
+        MethodParams params = method;
+        params.schedule = impatient(params.schedule);
+        x = level.ideal;
+        AlResult result = minimise_with_boundary_set(level, newton, params, increments, x);
+        steps += result.newton_iterations;
+        if (result.status == Status::converged)
+            result = solve(*level.constraint, params.schedule, AlStart::from_near(*level.constraint), observer);
+        return succeeded(result) ? std::optional(std::move(result)) : std::nullopt;
+    }
+
+    // From x, where the increments up to `from` have led, with this start. last: of those that were tried. Whether they
+    // end with the whole motion, or interrupted.
+    bool in_increments(double from, double size, const AlStart& first, std::optional<AlResult>& last) {
+        std::vector<double> reached = x;
+        bool ended = false;
+        climb(from, 1, size, least_increment, [&](const Increment& at) {
+            standing.fraction = at.from;
+            standing.x = at.is_last ? std::vector<double>() : reached;
+            if (at.from > from) standing.lambda.clear(), standing.mu = 0;
+            if (steps > most_steps_of_all) return StageEnd::over;
+            const auto part = at.is_last ? nullptr : level.constraint_at(at.to);
+            if (!at.is_last && !part) return StageEnd::over;
+            x = reached;
+            const AlStart start = at.from > from ? AlStart::from_near(*level.constraint) : first;
+            last = part ? solve(*part, impatient(loosened(method.schedule, level)), start, {})
+                        : solve(*level.constraint, impatient(method.schedule), start, observer);
+            AlIteration& row = last->iterations.back();
+            if (part && observe_stage)
+                observe_stage({level.mesh.nodes(), last->status, row, last->newton_iterations, at.to});
+            if (part) measure(*level.energy, *level.constraint, x, last->distortion, row);
+            if (!succeeded(*last)) return StageEnd::failed;
+            ended = at.is_last || last->status == Status::interrupted;
+            reached = x;
+            return ended ? StageEnd::over : StageEnd::solved;
+        });
+        return ended;
+    }
+
+    AlResult run(const AlStart& start) {
+        if (!level.constraint_at || method.continuation == Continuation::never) return at_once(method.schedule, start);
+        const std::vector<double> first = x;
+        std::vector<double> x_failed;
+        std::optional<AlResult> at_once_failed, last;
+        const bool turns_far = level.turn > increment_turn;
+        const bool in_parts = method.goes_on ? standing.fraction < 1 : turns_far && start.lambda.empty();
+        const bool goes_on = method.goes_on && in_parts;
+        if (!in_parts) {
+            AlResult result = at_once(impatient(method.schedule), start);
+            const bool stalls_at_once = result.iterations.back().newton_status == Status::stalled;
+            const bool hopeless = (method.is_start && stalls_at_once) || result.status == Status::max_al_iterations;
+            if (succeeded(result) || hopeless) return result;
+            if (result.status != Status::max_newton_iterations) {
+                at_once_failed = std::move(result);
+                x_failed = x;
+                if (auto found = from_target(1)) return std::move(*found);  // the cheapest where it is valid
+            }
+        }
+        const double size = in_parts && turns_far ? 1 / std::ceil(level.turn / increment_turn) : 0.5;
+        if (!goes_on) x = level.ideal, standing.lambda.clear(), standing.mu = 0;
+        const bool ended = in_increments(goes_on ? standing.fraction : 0, size, goes_on ? start : AlStart(), last);
+        AlResult result;
+        if (ended || (last && level.turn > most_at_once)) {  // at once it would go the shorter way
+            result = std::move(*last);
+            if (!ended) result.status = Status::stalled;
+        } else if (at_once_failed) {  // with more steps it would end alike
+            x = std::move(x_failed);
+            result = std::move(*at_once_failed);
+        } else {  // the last resort but one
+            x = first;
+            result = at_once(method.schedule, start);
+        }
+        if (succeeded(result)) return result;
+        x_failed = x;
+        for (const int increments : {1, 10})
+            if (auto found = from_target(increments)) return std::move(*found);
+        x = std::move(x_failed);
+        return result;
+    }
+};
 
 }  // namespace
 
@@ -111,17 +159,6 @@ std::vector<double> Level::with_boundary(const std::vector<double>& targets, std
     return x;
 }
 
-void increase_load(double from, double size, double least, const std::function<StageEnd(const Increment&)>& solve) {
-    while (from < 1 && size >= least) {
-        const double to = from + size < 1 - 0.5 * least ? from + size : 1;
-        switch (solve({from, to, size})) {
-            case StageEnd::solved: from = to; break;
-            case StageEnd::failed: size *= 0.5; break;
-            case StageEnd::over: return;
-        }
-    }
-}
-
 AugmentedLagrangianParams loosened(AugmentedLagrangianParams params, const Level& level, double of_gradient) {
     constexpr double of_constraint = 1e-3;
     const int dim = level.mesh.dim;
@@ -137,67 +174,10 @@ AugmentedLagrangianParams loosened(AugmentedLagrangianParams params, const Level
 AlResult minimise_in_increments(const Level& level, Newton& newton, const MethodParams& params, std::vector<double>& x,
                                 const AlStart& start, const AlObserver& observer,
                                 const StageObserver& observe_stage) {
-    Standing& standing = *params.standing;
-    const double from = params.goes_on ? standing.fraction : 0;
-    const auto at_once = [&](const AugmentedLagrangianParams& schedule) {
-        standing.fraction = 1;
-        standing.x.clear();
-        return minimise(*level.energy, *level.constraint, newton, schedule, x, observer, start);
-    };
-    if (!level.constraint_at || params.continuation == Continuation::never) return at_once(params.schedule);
-    const std::vector<double> first = x;
-    std::optional<AlResult> at_once_failed;
-    std::vector<double> x_failed;
-    const bool turns_far = level.turn > increment_turn;
-    const bool in_increments = params.goes_on ? from < 1 : turns_far && start.lambda.empty();
-    const double size = in_increments && turns_far ? 1 / std::ceil(level.turn / increment_turn) : 0.5;
-    int steps = 0;
-    const auto with_all_steps = [&](AlResult result) {
-        result.earlier_newton_iterations = steps - result.newton_iterations;
-        return result;
-    };
-    const auto from_target = [&](int increments) {
-        standing.fraction = 1;
-        standing.x.clear();
-        return minimise_from_target(level, newton, params, increments, x, steps, observer);
-    };
-    if (!in_increments) {
-        AlResult result = at_once(impatient(params.schedule));
-        const bool stalls_at_once = result.iterations.back().newton_status == Status::stalled;
-        const bool hopeless = (params.is_start && stalls_at_once) || result.status == Status::max_al_iterations;
-        if (succeeded(result) || hopeless) return result;
-        steps = result.newton_iterations;
-        if (result.status != Status::max_newton_iterations) {
-            at_once_failed = std::move(result);
-            x_failed = x;
-        }
-        if (at_once_failed)  // the cheapest where it is valid
-            if (auto found = from_target(1)) return with_all_steps(std::move(*found));
-    }
-    const bool goes_on = params.goes_on && in_increments;
-    if (!goes_on) x = level.ideal, standing.lambda.clear(), standing.mu = 0;
-    Increments all = solve_increments(level, newton, params, goes_on ? from : 0, size, steps, x,
-                                      goes_on ? start : AlStart(), observer, observe_stage);
-    steps = all.steps;
-    AlResult result;
-    if (all.ended || (all.last && level.turn > most_at_once)) {  // at once it would go the shorter way
-        result = std::move(*all.last);
-        if (!all.ended) result.status = Status::stalled;
-    } else if (at_once_failed) {  // with more steps it would end alike
-        x = std::move(x_failed);
-        result = std::move(*at_once_failed);
-    } else {  // the last resort but one
-        x = first;
-        result = at_once(params.schedule);
-        steps += result.newton_iterations;
-    }
-    if (!succeeded(result)) {
-        std::vector<double> x_last = x;
-        for (const int increments : {1, 10})
-            if (auto found = from_target(increments)) return with_all_steps(std::move(*found));
-        x = std::move(x_last);
-    }
-    return with_all_steps(std::move(result));
+    Ways ways{level, newton, params, x, observer, observe_stage};
+    AlResult result = ways.run(start);
+    result.earlier_newton_iterations = ways.steps - result.newton_iterations;
+    return result;
 }
 
 }  // namespace almesh

@@ -2,7 +2,7 @@
 // before (Allgower & Georg, Numerical Continuation Methods). What changes from stage to stage is
 //
 //   the load    the fraction of the motion of the boundary, for Algorithm 1 (minimise_in_increments() below) and
-//               with the boundary set on its target (set_boundary.hpp), by one rule, increase_load()
+//               with the boundary set on its target (set_boundary.hpp), by one rule, climb()
 //   the power   of eta - 1 in the objective (p_norm.hpp)
 //   the level   the mesh, then its degree (levels.hpp)
 //
@@ -88,26 +88,36 @@ struct MethodParams {
     std::function<void(const Level&, const std::vector<double>& x)> observe_iterate = {};
 };
 
-// A load increment: the motion from one fraction to the next.
+// Part of the way on which a number is raised: the load, or the time of a frame.
 struct Increment {
     double from, to, size;  // to: from + size, but for rounding, and for the last one
-    bool is_last() const { return to == 1; }
+    bool is_last;
 };
 
-enum class StageEnd { solved, failed, over };  // over: of all stages
+enum class StageEnd { solved, failed, over };  // over: of the whole way
 
-// Solves the increments up to 1, of the given size, one after the other. One that fails is tried again with half
+// Solves the increments up to `end`, of the given size, one after the other. One that fails is tried again with half
 // the size, unless that is below the least one; then, and where solve() says so, it is over.
-void increase_load(double from, double size, double least, const std::function<StageEnd(const Increment&)>& solve);
+template <class Solve>
+void climb(double from, double end, double size, double least, const Solve& solve) {
+    while (from < end && size >= least) {
+        const bool is_last = from + size >= end - 0.5 * least;
+        const double to = is_last ? end : from + size;
+        const StageEnd found = solve(Increment{from, to, size, is_last});
+        if (found == StageEnd::over) return;
+        if (found == StageEnd::solved) from = to;
+        else size *= 0.5;
+    }
+}
 
 // Tolerances for a solution that is only a start of the next: relative to the motion, whose size is |c_D| of the ideal
 // mesh; |grad E| scales like L^(n - 1) times motion / L, of which of_gradient is allowed.
 AugmentedLagrangianParams loosened(AugmentedLagrangianParams params, const Level& level, double of_gradient = 0.03);
 
 // Algorithm 1 on the level, from x (node_count x dim) and the given start, with load increments as params say; with
-// them it starts anew from the ideal mesh, but where it goes on. The result is that of the last run of Algorithm 1, with
-// all Newton steps of those before it in earlier_newton_iterations; of an increment that is not the last, its distances
-// are those from the whole motion's target. observe_stage: called after each increment but the last.
+// them it starts anew from the ideal mesh, but where it goes on. The result is that of the last run of Algorithm 1,
+// with all Newton steps of those before it in earlier_newton_iterations; of an increment that is not the last, its
+// distances are those from the whole motion's target. observe_stage: called after each increment but the last.
 AlResult minimise_in_increments(const Level& level, Newton& newton, const MethodParams& params, std::vector<double>& x,
                                 const AlStart& start, const AlObserver& observer = {},
                                 const StageObserver& observe_stage = {});

@@ -35,11 +35,8 @@ Stage solve_level(const MethodParams& params, Timings& time, std::unique_ptr<Lev
     if (result.status == Status::interrupted && params.observe_iterate) params.observe_iterate(*level, x);
     time += newton.time;
 
-    Stage stage;
-    stage.nodes = level->mesh.nodes();
-    stage.status = result.status;
-    stage.last = result.iterations.back();
-    stage.newton_iterations = result.newton_iterations + result.earlier_newton_iterations;
+    const Stage stage{level->mesh.nodes(), result.status, result.iterations.back(),
+                      result.newton_iterations + result.earlier_newton_iterations};
     solution = {};
     if (result.status != Status::converged) return stage;
     params.standing->fraction = 1;

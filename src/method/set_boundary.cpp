@@ -59,19 +59,19 @@ AlResult minimise_with_boundary_set(const Level& level, Newton& newton, const Me
     wanted.max_iterations = schedule.max_newton_iterations;
     NewtonResult solved;  // of the last increment
     const double size = 1.0 / increments;
-    increase_load(0, size, increments > 1 ? least_part * size : size, [&](const Increment& at) {
-        wanted.omega = at.is_last() ? schedule.omega_star : loosened(schedule, level, of_gradient * at.size).omega_star;
+    climb(0, 1, size, increments > 1 ? least_part * size : size, [&](const Increment& at) {
+        wanted.omega = at.is_last ? schedule.omega_star : loosened(schedule, level, of_gradient * at.size).omega_star;
         const std::vector<double> start =
             valid_start(level, E, newton, targets_at(level, at.to), x, result.newton_iterations);
         result.status = interrupted() ? Status::interrupted : Status::invalid_start;
         if (start.empty()) return increments > 1 && !interrupted() ? StageEnd::failed : StageEnd::over;
         x = start;
         solved = newton.minimise(E, wanted, x, [&](const NewtonStep& step) {
-            if (at.is_last() && observer.newton_step) observer.newton_step(1, step);
+            if (at.is_last && observer.newton_step) observer.newton_step(1, step);
         });
         add_counts(solved, result);
         result.status = interrupted() ? Status::interrupted : status_of(solved, schedule.omega0);
-        return result.status == Status::converged && !at.is_last() ? StageEnd::solved : StageEnd::over;
+        return result.status == Status::converged && !at.is_last ? StageEnd::solved : StageEnd::over;
     });
     AlIteration row = measured(*level.energy, *level.constraint, x, result.distortion);
     row.iteration = 1;
