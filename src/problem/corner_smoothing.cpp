@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "base/small_matrix.hpp"
+#include "base/text.hpp"
 #include "check/scaled_jacobian.hpp"
 #include "geometry/patch.hpp"
 #include "mesh/restriction.hpp"
@@ -193,6 +194,25 @@ CornerSmoothing smooth_corners(const Mesh& mesh, const std::vector<char>& fixed,
         x = at;
     }
     return result;
+}
+
+Solution best_of_powers(const ProblemOptions& options, const Problem& problem, const Solve& solve, std::FILE* out) {
+    constexpr int lower_power = 8;
+    if (options.distortion.objective != Objective::minimax || options.power) return solve(options, problem);
+    const auto least = [&](const Solution& solution) {
+        const double certified = certify(problem.mesh(), solution.x).min_scaled_jacobian;
+        return std::min(certified, least_corner_jacobian(problem.mesh(), solution.x));
+    };
+    ProblemOptions with_lower = options;
+    with_lower.power = lower_power;
+    Solution lower = solve(with_lower, problem);
+    if (lower.al.status == Status::interrupted) return lower;
+    Solution full = solve(options, problem);
+    if (lower.al.status != Status::converged || full.al.status == Status::interrupted) return full;
+    const double of_lower = least(lower), of_full = least(full);
+    std::fprintf(out, "least scaled Jacobian: %s with power = %d, %s with all powers\n",
+                 rounded_down(of_lower, 4).c_str(), lower_power, rounded_down(of_full, 4).c_str());
+    return full.al.status != Status::converged || of_lower > of_full ? lower : full;
 }
 
 }  // namespace almesh

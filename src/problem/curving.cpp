@@ -72,12 +72,22 @@ public:
                          found.injectivity.certified ? "" : ", which does not make the mesh valid and injective yet");
     }
 
+    // Each attempt around all places, before the next one.
     void curve_parts() {
         int& number = standing_.attempt;
         if (interrupted()) return;
         if (number < 0 && count(is_straightened_) == 0) number = std::ssize(attempts);
         if (has_tried_all()) return;
-        for (number = std::max(number, 0); !has_tried_all() && curve_all(attempts[number]); ++number) {}
+        for (number = std::max(number, 0); !has_tried_all() && !interrupted();) {
+            const Attempt& attempt = attempts[number];
+            for (const std::vector<int>& place : places_of(mesh_, is_straightened_, attempt.at_once)) {
+                if (interrupted()) break;
+                if (curve_around(place, attempt))
+                    for (const int e : place) is_straightened_[e] = 0;
+                so_far_.keep(*problem_.level, solution_.x);
+            }
+            if (!interrupted()) ++number;
+        }
         if (interrupted()) so_far_.write(*problem_.level, solution_.x);
         straightened(solution_.x);  // parts that overlap each other, if there are any
     }
@@ -159,17 +169,6 @@ private:
         return true;
     }
 
-    // Around all places. False where it is interrupted.
-    bool curve_all(const Attempt& attempt) {
-        for (const std::vector<int>& place : places_of(mesh_, is_straightened_, attempt.at_once)) {
-            if (curve_around(place, attempt))
-                for (const int e : place) is_straightened_[e] = 0;
-            so_far_.keep(*problem_.level, solution_.x);
-            if (interrupted()) return false;
-        }
-        return true;
-    }
-
     // Whether the elements of the place are curved then.
     bool curve_around(const std::vector<int>& place, const Attempt& attempt) {
         std::vector<char> is_of_place(mesh_.element_count(), 0);
@@ -220,22 +219,18 @@ private:
         for (std::size_t e = 0; e < part.element_of.size() && is_better; ++e)
             is_better = found.certificate.lower_bound[e] >
                         std::min(options_.min_scaled_jacobian, 0.999 * bound_[part.element_of[e]]);
-        Stage stage;
-        stage.nodes = part.nodes();
-        stage.status = is_better ? Status::converged : Status::stalled;
-        stage.last = found.al.iterations.back();
-        stage.last.seconds = watch.seconds();
-        stage.newton_iterations = found.al.newton_iterations;
+        AlIteration last = found.al.iterations.back();
+        last.seconds = watch.seconds();
         const Vec<3> at = problem_.frame.to_file(element_centre(mesh_, mesh_.x, place[0]));
-        stage.part = concat(part.element_count(), " elements around ", position_text(at.data(), mesh_.dim), ": ",
-                            attempt.what);
-        observe_(stage);
+        observe_({part.nodes(), is_better ? Status::converged : Status::stalled, last, found.al.newton_iterations, 1, 0,
+                  concat(part.element_count(), " elements around ", position_text(at.data(), mesh_.dim), ": ",
+                         attempt.what)});
         int& steps = is_better ? solution_.al.newton_iterations : solution_.al.earlier_newton_iterations;
         steps += found.al.newton_iterations;
         if (!is_better && attempt.boundary == Boundary::slides_around && !found.certificate.lower_bound.empty())
             slid_.insert(place);
         if (!is_better) return false;
-        standing_.gradient_norm = std::max(standing_.gradient_norm, stage.last.gradient_norm);
+        standing_.gradient_norm = std::max(standing_.gradient_norm, last.gradient_norm);
         for (std::size_t e = 0; e < part.element_of.size(); ++e)
             bound_[part.element_of[e]] = found.certificate.lower_bound[e];
         for (int k = 0; k < part.nodes(); ++k) {

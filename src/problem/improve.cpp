@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "mesh/part.hpp"
-#include "problem/best_power.hpp"
 #include "problem/corner_smoothing.hpp"
 #include "problem/curving.hpp"
 #include "problem/kept_surface.hpp"
@@ -295,14 +294,17 @@ void raise_worst_corners(const ProblemOptions& options, const Problem& problem, 
 
 Solution improve(const Deck& deck, Problem& problem, const Solve& solve, int& newton_steps, std::FILE* out) {
     const auto improve_near = [&](const Deck& with, Problem& of) {
-        const Solve near = near_surface(of, best_of_powers(solve, out), out);
-        const Solve with_corners = [&](const ProblemOptions& settings, const Problem& at) {
-            Solution found = near(with_boundary_set(settings, at), at);
+        const Solve solve_near = [&](const ProblemOptions& options, const Problem&) {
+            const ProblemOptions settings = with_boundary_set(options, of);
+            Solution found = best_of_powers(settings, of, solve, out);
+            for (int attempt = 0; found.al.status == Status::converged &&
+                                  hold_faces_off_surface(settings, of, found.x, attempt, out); ++attempt)
+                found = best_of_powers(settings, of, solve, out);
             if (deck.given.count("objective") == 0 || settings.distortion.objective == Objective::minimax)
-                raise_worst_corners(settings, at, found, newton_steps, out);
+                raise_worst_corners(settings, of, found, newton_steps, out);
             return found;
         };
-        return improved(with, of, with_corners, newton_steps, out);
+        return improved(with, of, solve_near, newton_steps, out);
     };
     Solution solution = improve_near(deck, problem);
     const Mesh& mesh = problem.mesh();

@@ -102,7 +102,6 @@ void hold_surface(const ProblemOptions& options, Problem& problem) {
     if (problem.sliding) note(problem, hold(problem, nodes_of_features(mesh)), ", being on named points or curves");
 }
 
-// The target of boundary nodes that have moved from where they were is where they are.
 void take_along_target(Problem& problem, const std::vector<double>& from, const std::vector<double>& x) {
     const Mesh& mesh = problem.mesh();
     for_face_nodes(mesh, [&](int, std::size_t k) {
@@ -114,7 +113,6 @@ void take_along_target(Problem& problem, const std::vector<double>& from, const 
     });
 }
 
-// The boundary stays where it is at x from here on.
 void fix_boundary(Problem& problem, const std::vector<double>& x) {
     problem.motions.assign(problem.motions.size(), motion_of(NodeKind::fixed));
     BoundaryTarget fixed = make_target(problem.mesh(), x, problem.motions);
@@ -125,26 +123,22 @@ void fix_boundary(Problem& problem, const std::vector<double>& x) {
     problem.sliding = nullptr;
 }
 
-Solve near_surface(Problem& problem, const Solve& solve, std::FILE* out) {
+bool hold_faces_off_surface(const ProblemOptions& options, Problem& problem, const std::vector<double>& x, int attempt,
+                            std::FILE* out) {
     constexpr int attempts = 2;  // before all nodes stay
-    return [&problem, solve, out](const ProblemOptions& options, const Problem&) {
-        for (int attempt = 0;; ++attempt) {
-            Solution solution = solve(options, problem);
-            if (solution.al.status != Status::converged) return solution;
-            const std::vector<double> distance = distances_of(problem, solution.x);
-            std::vector<char> off, boundary(problem.motions.size(), 0);
-            for (std::size_t f = 0; f < distance.size(); ++f) {
-                off.push_back(distance[f] > options.surface_tolerance);
-                if (off[f]) boundary[problem.mesh().face_boundary[f]] = 1;
-            }
-            for (std::size_t f = 0; f < off.size() && attempt == attempts; ++f)
-                off[f] = boundary[problem.mesh().face_boundary[f]];
-            const int count = hold(problem, nodes_of_faces(problem.mesh(), off));
-            if (count == 0) return solution;
-            print(out, "note: faces were off the surface by up to ", to_text(largest(distance), 2), " of an edge: ",
-                  counted(count, "boundary node"), " more stay where they are\n");
-        }
-    };
+    const Mesh& mesh = problem.mesh();
+    const std::vector<double> distance = distances_of(problem, x);
+    std::vector<char> off, boundary(problem.motions.size(), 0);
+    for (std::size_t f = 0; f < distance.size(); ++f) {
+        off.push_back(distance[f] > options.surface_tolerance);
+        if (off[f]) boundary[mesh.face_boundary[f]] = 1;
+    }
+    for (std::size_t f = 0; f < off.size() && attempt == attempts; ++f) off[f] = boundary[mesh.face_boundary[f]];
+    const int count = hold(problem, nodes_of_faces(mesh, off));
+    if (count > 0)
+        print(out, "note: faces were off the surface by up to ", to_text(largest(distance), 2), " of an edge: ",
+              counted(count, "boundary node"), " more stay where they are\n");
+    return count > 0;
 }
 
 double surface_distance(const Problem& problem, const std::vector<double>& x) {

@@ -23,8 +23,10 @@ void hold_curved_faces(const ProblemOptions& options, Problem& problem, const st
 void take_along_target(Problem& problem, const std::vector<double>& from, const std::vector<double>& x);
 void fix_boundary(Problem& problem, const std::vector<double>& x);
 
-// Solves the problem so that its surface is within the tolerance. The problem must outlive it.
-Solve near_surface(Problem& problem, const Solve& solve, std::FILE* out);
+// Whether faces are off the surface at x, the solution of this attempt, from 0, whose nodes stay where they are from
+// here on.
+bool hold_faces_off_surface(const ProblemOptions& options, Problem& problem, const std::vector<double>& x, int attempt,
+                            std::FILE* out);
 
 // The largest distance of the boundaries that stay, both ways, in units of the local edge.
 double surface_distance(const Problem& problem, const std::vector<double>& x);

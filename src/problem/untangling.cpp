@@ -29,21 +29,27 @@ constexpr int most_deltas = 100, steps_of_first_delta = 100, steps_of_delta = 5,
 using Moves = std::vector<char>;  // per node
 using Reasons = std::vector<std::string>;
 
-class Untangling {
-public:
-    Untangling(const Mesh& mesh, const std::vector<double>& volume, DistortionEnergy& energy, Constraint& constraint,
-               const BoundaryTarget& target, const LinearSolverParams& linear, const Reasons& infeasible,
-               std::vector<double>& x)
-        : mesh_(mesh), volume_(volume), held_(held_nodes(mesh, target)),
-          directions_(held_directions(constraint, x, mesh.dim)), linear_(linear), infeasible_(infeasible), x_(x),
-          E_(energy, constraint, std::vector<double>(constraint.multipliers(), 0.0), 0, Moves(mesh.nodes(), 0)) {
-        fix_boundary();
-        for (const ElementGroup& group : mesh.element_groups())
-            reference_.push_back(
-                reference_element(*group.cell, mesh.degree, element_quadrature(*group.cell, mesh.degree, 0)));
-    }
+struct Untangling {
+    const Mesh& mesh_;
+    const std::vector<double>& volume_;
+    DistortionEnergy& energy_;
+    Constraint& constraint_;
+    const BoundaryTarget& target_;
+    const LinearSolverParams& linear_;
+    const Reasons& infeasible_;
+    std::vector<double>& x_;
+
+    const Moves held_ = held_nodes(mesh_, target_);  // per node: whether the boundary does not leave it free
+    const std::vector<int> directions_ = held_directions(constraint_, x_, mesh_.dim);  // before any node moves
+    AugmentedFunctional E_{energy_, constraint_, std::vector<double>(constraint_.multipliers(), 0.0), 0,
+                           Moves(mesh_.nodes(), 0)};
+    std::vector<ReferenceElement> reference_ = {};  // by group of elements
+    UntanglingResult result_ = {};
 
     UntanglingResult run() {
+        for (const ElementGroup& group : mesh_.element_groups())
+            reference_.push_back(
+                reference_element(*group.cell, mesh_.degree, element_quadrature(*group.cell, mesh_.degree, 0)));
         find_left();
         int before = 0;  // nodes that could move in the last round
         for (int layers = 1; !result_.left.empty() && !interrupted(); layers *= 2) {
@@ -66,18 +72,6 @@ public:
         return std::move(result_);
     }
 
-private:
-    const Mesh& mesh_;
-    const std::vector<double>& volume_;
-    const Moves held_;  // per node: whether the boundary does not leave it free
-    const std::vector<int> directions_;  // as of held_directions(), before any node moves
-    const LinearSolverParams& linear_;
-    const Reasons& infeasible_;
-    std::vector<double>& x_;
-    AugmentedFunctional E_;
-    std::vector<ReferenceElement> reference_;  // by group of elements
-    UntanglingResult result_;
-
     bool is_infeasible(int e) const { return !infeasible_.empty() && !infeasible_[e].empty(); }
 
     void find_left() {
@@ -93,7 +87,7 @@ private:
     }
 
     // All nodes of the boundary but for free ones; or without those that slide.
-    void fix_boundary(bool slide = false) {
+    void fix_boundary(bool slide) {
         for (const int i : E_.constraint.nodes()) E_.fixed[i] = held_[i] && !(slide && slides(i));
     }
 
@@ -242,7 +236,7 @@ UntanglingResult untangle_regions(const Mesh& mesh, const std::vector<double>& v
                                   Constraint& constraint, const BoundaryTarget& target,
                                   const LinearSolverParams& linear, const Reasons& infeasible,
                                   std::vector<double>& x) {
-    return Untangling(mesh, volume, energy, constraint, target, linear, infeasible, x).run();
+    return Untangling{mesh, volume, energy, constraint, target, linear, infeasible, x}.run();
 }
 
 }  // namespace almesh
