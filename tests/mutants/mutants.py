@@ -5,7 +5,7 @@
   tests/mutants/mutants.py --check                           only see that every change fits the source
 
 A block of mutants.txt is a file of src/ and the tests that are to notice, where these are not the file's own
-(src/method/snap.cpp has tests/method/snap_test.cpp); a text that occurs in the file exactly once, after `- `; what is
+(src/method/polish.cpp has tests/method/polish_test.cpp); a text that occurs in the file exactly once, after `- `; what is
 put in its place, after `+ `; and what is wrong then, in words.
 
 A change is noticed where a test fails or crashes. A test that does not end in time has not noticed. --whole: changes
