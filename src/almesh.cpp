@@ -15,11 +15,8 @@
 #include "mesh/build.hpp"
 #include "method/derivative.hpp"
 #include "problem/base_mesh.hpp"
-#include "problem/boundaries.hpp"
 #include "problem/frame_solver.hpp"
-#include "problem/problem.hpp"
 #include "problem/solve.hpp"
-#include "report/iteration_table.hpp"
 
 namespace almesh {
 namespace {
@@ -27,23 +24,16 @@ namespace {
 constexpr const char* arrays_name = "mesh arrays";
 
 const CellType& type_of(Cell cell) {
-    switch (cell) {
-        case Cell::line: return simplex(1);
-        case Cell::triangle: return simplex(2);
-        case Cell::tetrahedron: return simplex(3);
-        case Cell::quadrilateral: return quadrilateral();
-        case Cell::hexahedron: return hexahedron();
-        case Cell::prism: return prism();
-        case Cell::pyramid: return pyramid();
-    }
-    throw UsageError(arrays_name, ": a cell of no known type");
+    const CellType* const types[] = {&simplex(1), &simplex(2), &quadrilateral(), &simplex(3),
+                                     &hexahedron(), &prism(), &pyramid()};  // in the order of Cell
+    const auto number = static_cast<std::size_t>(cell);
+    if (number >= std::size(types)) throw UsageError(arrays_name, ": a cell of no known type");
+    return *types[number];
 }
 
 Cell cell_of(const CellType& type) {
-    for (const Cell cell : {Cell::triangle, Cell::tetrahedron, Cell::quadrilateral, Cell::hexahedron, Cell::prism,
-                            Cell::pyramid})
+    for (auto cell = Cell::line;; cell = static_cast<Cell>(static_cast<int>(cell) + 1))
         if (&type_of(cell) == &type) return cell;
-    return Cell::line;
 }
 
 // Appends cells with the physical group `tag`; their ids go on from those before.
@@ -179,7 +169,7 @@ Verdict certify(const MeshArrays& arrays) {
 
 struct MovingMesh::State {
     MeshArrays given, arrays;
-    Deck deck;
+    ProblemSetup setup;
     BaseMesh base;
     std::map<std::string, Boundary> boundaries;
     std::unique_ptr<Problem> problem;  // of the boundaries as they are; null: not made yet
@@ -196,22 +186,20 @@ struct MovingMesh::State {
 };
 
 MovingMesh::State::State(const MeshArrays& mesh, const Options& options) : given(mesh), arrays(mesh) {
-    using Wanted = Options::Objective;
-    deck.distortion.objective = options.objective == Wanted::squared      ? Objective::squared
-                                : options.objective == Wanted::size_shape ? Objective::size_shape
-                                : options.objective == Wanted::minimax    ? Objective::minimax
-                                                                          : Objective::deviation;
-    deck.continuation = static_cast<Continuation>(options.continuation);
-    deck.degree = options.degree;
-    deck.method.omega_star = options.gradient_tolerance;
-    deck.method.wall_tolerance = options.boundary_tolerance;
-    deck.method.max_iterations = options.max_iterations;
-    deck.method.max_newton_iterations = options.max_newton_steps;
-    deck.surface = options.may_slide ? SurfaceKind::automatic : SurfaceKind::keep;
-    deck.frames = "t";
+    constexpr Objective objectives[] = {Objective::deviation, Objective::squared, Objective::size_shape,
+                                        Objective::minimax};  // in the order of Options::Objective
+    setup.distortion.objective = objectives[static_cast<int>(options.objective)];
+    setup.continuation = static_cast<Continuation>(options.continuation);
+    setup.degree = options.degree;
+    setup.method.omega_star = options.gradient_tolerance;
+    setup.method.wall_tolerance = options.boundary_tolerance;
+    setup.method.max_iterations = options.max_iterations;
+    setup.method.max_newton_iterations = options.max_newton_steps;
+    setup.surface = options.may_slide ? SurfaceKind::automatic : SurfaceKind::keep;
+    setup.in_time = true;
     set_threads(options.threads);
     std::vector<std::string> notes;
-    base = build_base_mesh(raw_mesh(mesh), deck.ideal, notes);
+    base = build_base_mesh(raw_mesh(mesh), setup.ideal, notes);
     if (options.degree == 0 || options.degree == mesh.degree) return;
     if (options.degree < mesh.degree)
         throw UsageError("degree = ", options.degree, ": the ", arrays_name, " have degree ", mesh.degree);
@@ -220,17 +208,17 @@ MovingMesh::State::State(const MeshArrays& mesh, const Options& options) : given
 
 // The problem at the time t. It is made again where boundaries are held by something else than before.
 void MovingMesh::State::set_time(double t) {
-    deck.boundaries.clear();
+    setup.boundaries.clear();
     for (const auto& [name, boundary] : boundaries)
-        deck.boundaries.push_back({name, motion_at(boundary, t, given.x), "boundary " + with_quotes(name)});
-    if (problem) return move_target(deck, *problem);
+        setup.boundaries.push_back({name, motion_at(boundary, t, given.x), "boundary " + with_quotes(name)});
+    if (problem) return move_target(setup, *problem);
     BaseMesh own = base;
     std::vector<std::string> notes;
-    assign_boundaries(deck, own.mesh, notes);
+    assign_boundaries(setup, own.mesh, notes);
     for (const std::string& name : own.mesh.boundaries)
-        if (!motion_for(deck, name))
+        if (!motion_for(setup, name))
             throw UsageError("boundary ", with_quotes(name), " is not set: set() says what holds its nodes");
-    problem = std::make_unique<Problem>(make_problem(deck, std::move(own), "", std::move(notes)));
+    problem = std::make_unique<Problem>(make_problem(setup, std::move(own)));
     solver = std::make_unique<FrameSolver>(*problem);
 }
 
@@ -251,7 +239,7 @@ std::vector<double> MovingMesh::State::to_arrays(const std::vector<double>& x) c
 
 Moved MovingMesh::State::result(Solution solution, double t) {
     round_as_file(*problem, solution.x);
-    examine(deck, *problem, solution);
+    examine(setup, *problem, solution);
     Moved moved;
     moved.x = to_arrays(final_positions(*problem, solution.x));
     moved.t = t;
@@ -275,9 +263,9 @@ Moved MovingMesh::State::solve(const Moved* before, double t, const Observer& ob
         moments.push({before->t, std::move(x), problem->motions});
     }
     set_time(t);
-    FrameRow row{1, 0, t};
-    const Units units{arrays.dim, problem->frame.length};
-    return result(solver->solve(deck, moments, row, observer_of(observe, units)), t);
+    const AlObserver observer = observer_of(observe, {arrays.dim, problem->frame.length});
+    std::string started_from;
+    return result(solver->solve(setup, moments, t, started_from, {observer}, observer), t);
 }
 
 Moved MovingMesh::State::follow(const Moved& before, double t, int halvings, const Observer& observe) {
@@ -291,14 +279,14 @@ Moved MovingMesh::State::follow(const Moved& before, double t, int halvings, con
 }
 
 Derivative MovingMesh::State::derivative(Moved& at) {
-    if (deck.distortion.objective == Objective::minimax) at = solve(nullptr, at.t, {});  // its last power
+    if (setup.distortion.objective == Objective::minimax) at = solve(nullptr, at.t, {});  // its last power
     if (!at.converged) throw Error(ExitCode::not_converged, "no derivative: the mesh has not converged");
     set_time(at.t);
     std::vector<double> x = to_run(at.x);
     problem->frame.take_to_run(x, arrays.dim);
     const Level& level = *problem->level;
-    if (deck.distortion.objective != Objective::minimax) set_functional(deck, *problem);
-    Derivative derivative(level.mesh, *level.energy, *level.constraint, deck.linear);
+    if (setup.distortion.objective != Objective::minimax) set_functional(setup, *problem);
+    Derivative derivative(level.mesh, *level.energy, *level.constraint, setup.linear);
     derivative.polish(x);
     at.x = to_arrays(final_positions(*problem, x));
     return derivative;

@@ -16,13 +16,12 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 SRC = ROOT / "src"
 
-# Rooms, each of which includes only itself and those above it; those of one line include each other.
+# Rooms, each of which includes only itself and those above it.
 ROOMS = {
-    "base": 1573, "linalg": 4904, "mesh": 4456, "geometry": 2014, "energy": 3375, "constraint": 4121, "method": 2925,
-    "check": 2668, "io": 2615, "deck": 1141, "problem": 4468, "report": 1486, "app": 2079,
+    "base": 1580, "linalg": 4904, "mesh": 4456, "geometry": 2014, "energy": 3375, "constraint": 4121, "method": 2925,
+    "check": 2668, "io": 2621, "problem": 4527, "deck": 1625, "report": 1850, "app": 1450,
 }
-TOGETHER = [{"deck", "problem", "report"}]
-MOST = {"src/ without lessons and examples": 38404, "src/examples": 900, "src/lessons": 6000, "README.md": 180,
+MOST = {"src/ without lessons and examples": 38703, "src/examples": 900, "src/lessons": 6000, "README.md": 180,
         "Newton::minimise()": 30, "include depth": 8, "a file": 490, "includes beyond the line": 46}
 # topic: most files, most lines, the files: both of `name.*` where there are two.
 TOPICS = {
@@ -90,7 +89,7 @@ def upward(files):
             other = name.split("/")[0]
             if room not in order or other not in order or other == room:
                 continue
-            if any({room, other} <= some for some in TOGETHER) or order.index(other) < order.index(room):
+            if order.index(other) < order.index(room):
                 continue
             faults.append(f"{path.relative_to(ROOT)} includes {name}: {other}/ is above {room}/")
     return faults

@@ -12,8 +12,7 @@
 #include <optional>
 
 #include "deck/deck.hpp"
-#include "problem/improve.hpp"
-#include "app/sweep/sweep.hpp"
+#include "report/iteration_table.hpp"
 #include "base/text.hpp"
 #include "io/mesh_format.hpp"
 
@@ -77,7 +76,7 @@ std::optional<ExitCode> print_result(const std::vector<std::string>& arguments, 
     };
     const auto asks = [](const std::string& argument) { return argument == "--help" || argument == "-h"; };
     if (std::any_of(arguments.begin(), arguments.end(), asks)) return print(help);
-    if (first == "--keys") return print(keys_table());
+    if (first == "--keys") return print(keys_table(history_columns()));
     if (first == "--version") return print(version() + ", commit " + commit() + "\n" + compiler() + "\n");
     std::string before;
     if (first == "quality") return quality(deck_of_mesh(arguments, &before), before, out);

@@ -1,4 +1,4 @@
-// The program's commands, but for sweep.hpp. Results go to `out`.
+// The program's commands. Results go to `out`.
 #pragma once
 #include <cstdio>
 #include <functional>
@@ -23,9 +23,13 @@ struct RunHooks {
     // Where it converged; an Error is told when all is written.
     std::function<void(const Problem&, Solution&)> solved = {};
     std::function<void()> stepped = {};  // after every Newton step, and every part of a mesh that is curved in place
-    double seconds_between_meshes = 60;  // that are written on the way (problem/so_far.hpp)
+    double seconds_between_meshes = 60;  // that are written on the way (deck/so_far.hpp)
 };
 ExitCode run(const Deck& deck, std::FILE* out, const RunHooks& hooks = {});
+
+// The same of a motion in time. The exit code is that of the worst frame. Throws Error where a frame cannot begin,
+// unless keep_going.
+ExitCode run_frames(const Deck& deck, std::FILE* out);
 
 // Derivatives of the moved mesh (method/derivative.hpp). arguments: `adjoint` or `tangent`, a deck, files of vectors at
 // nodes, settings. Throws Error where there are none.
@@ -39,5 +43,18 @@ ExitCode quality(const Deck& deck, const std::string& before, std::FILE* out);
 // What is in the deck's mesh file, as comments, and a deck to start from, wherever it is put: all boundaries fixed,
 // and the keys that were given. Throws InputError for a file that is no mesh.
 ExitCode info(const Deck& deck, std::FILE* out);
+
+// A run for each combination of the values of the lines `sweep`. arguments: DECK, settings of the command line, and at
+// most one of
+//
+//   --slurm      write sweep.sh, the batch script of a job array of Slurm, instead of running
+//   --run K/N    only the runs K, K + N, K + 2 N, ...: a task of that array
+//   --collect    only gather what has been run
+//
+// Otherwise as many runs at a time as there are cores for their threads. Writes sweep.csv in the deck's folder of
+// results: a row for each run that has ended, with all quantities of its summary. The exit code is the lowest of a run
+// but success; a run that is missing counts as not_converged. Throws UsageError for what is wrong with any run's deck
+// before the first one starts, and InputError where another sweep writes to the folder.
+ExitCode sweep(const std::vector<std::string>& arguments, std::FILE* out);
 
 }  // namespace almesh

@@ -29,6 +29,13 @@ struct UsageError : Error {
     explicit UsageError(const Parts&... parts) : Error(ExitCode::usage, concat(parts...)) {}
 };
 
+// Of one of the settings, by its name; the deck, which has them as keys, adds the line.
+struct SettingError : UsageError {
+    std::string key;
+    template <class... Parts>
+    explicit SettingError(std::string of_key, const Parts&... parts) : UsageError(parts...), key(std::move(of_key)) {}
+};
+
 struct InputError : Error {
     template <class... Parts>
     explicit InputError(const Parts&... parts) : Error(ExitCode::input, concat(parts...)) {}

@@ -62,6 +62,9 @@ void read_key(Deck& deck, const std::string& name, const std::string& value, con
         check_repeat(in_backquotes(key->name), it->second, where);
     set_value(deck, *key, value);
     deck.given[key->name] = where;
+    deck.in_time = !deck.frames.empty();
+    deck.needs_objective = deck.given.contains("objective");
+    deck.needs_tolerance = deck.given.contains("surface_tolerance");
     if (key->name == "mesh" && !deck.mesh.empty()) deck.mesh = path_from(where, deck, deck.mesh);
     if (key->name == "start" && deck.start == Start::file) deck.start_file = path_from(where, deck, deck.start_file);
     if (key->name == "ideal" && !deck.ideal_file.empty()) deck.ideal_file = path_from(where, deck, deck.ideal_file);
@@ -113,7 +116,7 @@ void read_boundary(Deck& deck, const std::string& kind, std::string_view text, c
 }
 
 void read_selection(Deck& deck, std::string_view text, const std::string& where) {
-    DeckSelection selection;
+    FaceSelection selection;
     selection.name = take_name("select", text);
     selection.where = where;
     selection.text = trim(text);
@@ -130,9 +133,9 @@ void read_selection(Deck& deck, std::string_view text, const std::string& where)
     } else {
         selection.condition = with_context(shown, [&] { return Condition(selection.text, deck.constants); });
     }
-    for (const DeckSelection& earlier : deck.selections)
+    for (const FaceSelection& earlier : deck.selections)
         if (earlier.name == selection.name) check_repeat(shown, earlier.where, where);
-    std::erase_if(deck.selections, [&](const DeckSelection& earlier) { return earlier.name == selection.name; });
+    std::erase_if(deck.selections, [&](const FaceSelection& earlier) { return earlier.name == selection.name; });
     deck.selections.push_back(std::move(selection));
 }
 
@@ -278,6 +281,13 @@ Deck read_deck(const std::string& path, const std::vector<std::string>& override
     return parse_deck(text, path, overrides);
 }
 
+Deck improvement_deck(const std::vector<std::string>& arguments) {
+    if (arguments.size() < 2) throw UsageError("improve takes a mesh file: almesh improve FILE [key=value ...]");
+    std::vector<std::string> settings(arguments.begin() + 1, arguments.end());
+    settings[0] = "mesh=" + quoted_where_needed(settings[0], "#\"");
+    return parse_deck("ideal = regular\nboundary all = slide\n", arguments[1], settings);
+}
+
 Sweep parse_sweep(std::string_view text) {
     const auto equals = text.find('=');
     Sweep sweep;
@@ -302,12 +312,6 @@ Sweep parse_sweep(std::string_view text) {
     return sweep;
 }
 
-const DeckBoundary* motion_for(const Deck& deck, const std::string& boundary) {
-    for (const std::string& name : {boundary, std::string("rest"), std::string("all")})
-        if (const DeckBoundary* const found = find_row(deck.boundaries, name)) return found;
-    return nullptr;
-}
-
 // The schedules of the paper do not follow the motion unless they are told to.
 std::string resolved(const Deck& deck) {
     Deck shown = deck;
@@ -325,11 +329,11 @@ std::string resolved(const Deck& deck) {
     for (const Constant& constant : deck.constants)
         text += "let " + constant.name + " = " + with_quotes(constant.text) + "\n";
     if (!deck.selections.empty()) text += "\n# Boundaries that the mesh file does not name.\n";
-    for (const DeckSelection& selection : deck.selections)
+    for (const FaceSelection& selection : deck.selections)
         text += "select " + quoted_where_needed(selection.name, "#=\" \t") + " = " + selection.text + "\n";
     if (!deck.boundaries.empty()) text += "\n# Motions of the boundaries.\n";
     const auto from_output = [&](const std::string& file) { return relative_path(deck.output, file); };
-    for (DeckBoundary boundary : deck.boundaries) {
+    for (BoundaryMotion boundary : deck.boundaries) {
         for (MotionStep& step : boundary.motion.steps)
             if (!step.file.empty()) step.file = from_output(step.file);
         const std::string kind = boundary.is_volume ? "volume " : "boundary ";

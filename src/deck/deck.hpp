@@ -22,30 +22,20 @@
 #include <vector>
 
 #include "constraint/expression.hpp"
-#include "constraint/motion.hpp"
-#include "problem/options.hpp"
-#include "report/summary.hpp"
+#include "problem/boundaries.hpp"
+#include "problem/summary.hpp"
 
 namespace almesh {
 
-struct DeckBoundary {
-    std::string name;  // of the mesh's physical group, "volume NAME" where it is one of elements
-    Motion motion;
-    std::string where;  // "circle.deck:12" or "command line"
-    bool is_volume = false;
-};
-
-constexpr int most_refinements = 8;
-
 // Outer faces that are a boundary although the file does not name it.
-struct DeckSelection {
+struct FaceSelection {
     std::string name, text;              // text: as written
     std::optional<Condition> condition;  // of the faces' centres and normals; else by the numbers of smooth parts
     std::vector<int> parts;
     std::string where;
 };
 
-// A line `sweep KEY = VALUES`, see app/sweep/sweep.hpp.
+// A line `sweep KEY = VALUES`, see app/sweep/sweep.cpp.
 struct Sweep {
     std::string name;                 // of the key or constant
     std::vector<std::string> values;  // as written, those of ranges as numbers
@@ -57,7 +47,7 @@ enum class VtkOutput { ascii, binary, none };
 // As written in the deck; those of one version of MSH stand from msh22 on.
 enum class FinalFormat { input, msh, su2, both, msh22, msh22_binary, msh40, msh40_binary, msh41, msh41_binary };
 
-struct Deck : ProblemOptions {
+struct Deck : ProblemSetup {
     // The other keys with their defaults.
     std::string mesh;    // path as seen from the current folder
     std::string output;  // folder, from the current one; outputs/<name> where the deck says nothing
@@ -69,16 +59,13 @@ struct Deck : ProblemOptions {
     int resume = 0;
     VtkOutput vtk = VtkOutput::ascii;
     FinalFormat final_format = FinalFormat::input;
-    std::string wall;  // boundary name, "" for none
-    std::string contact;  // names of boundaries, lists of them separated by ;
     std::string frames;  // times, or path of a file of them; "": one run without time
     bool keep_going = false;
     Velocity velocity = Velocity::no;
     int threads = 0;
 
     Constants constants;                    // in the order written
-    std::vector<DeckBoundary> boundaries;   // in the order written
-    std::vector<DeckSelection> selections;  // in the order written
+    std::vector<FaceSelection> selections;  // in the order written
     std::vector<Expectation> expectations;  // in the order written
     std::vector<Sweep> sweeps;              // in the order written, for `almesh sweep`
 
@@ -98,8 +85,8 @@ Deck parse_deck(std::string_view text, const std::string& path, const std::vecto
 // `KEY = VALUES`. Throws UsageError without file and line.
 Sweep parse_sweep(std::string_view text);
 
-// The motion of a boundary of the mesh: its own, or that of `rest` or `all`; null where there is none.
-const DeckBoundary* motion_for(const Deck& deck, const std::string& boundary);
+// The deck of `improve FILE [key=value ...]`: regular elements, all boundaries slide.
+Deck improvement_deck(const std::vector<std::string>& arguments);
 
 // Every key with its value, commented, as text of a deck to stand in the output folder. Read from the same current
 // folder it gives the same Deck but for path, folder, name and lines. The mesh is given by its path relative to the
@@ -127,7 +114,7 @@ const std::vector<DeckKey>& deck_keys();
 void set_value(Deck& deck, const DeckKey& key, std::string_view text);
 
 // The text of `almesh --keys`, within 100 columns: all keys with default, legal values and meaning, boundary, its
-// motions, expect, the quantities of the summary, the columns of the history.
-std::string keys_table();
+// motions, expect, the quantities of the summary, these columns of history.csv.
+std::string keys_table(const std::vector<Named>& history);
 
 }  // namespace almesh

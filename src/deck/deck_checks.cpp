@@ -2,11 +2,8 @@
 
 #include <algorithm>
 
-#include "check/certificate.hpp"
 #include "deck/frame_times.hpp"
-#include "problem/improve.hpp"
-#include "problem/so_far.hpp"
-#include "report/results.hpp"
+#include "deck/so_far.hpp"
 #include "base/error.hpp"
 #include "io/msh.hpp"
 
@@ -16,47 +13,55 @@ namespace {
 // The rest of the mesh stays as it is in the file.
 void check_local_repair(const Deck& deck) {
     if (deck.local_repair != LocalRepair::yes) return;
-    const auto refuse = [&](const std::string& where, const char* what) {
-        throw UsageError(where, ": ", what, " does not go with local_repair = 1, which leaves the mesh as it is in ",
-                         "the file but for inverted elements and those around them");
-    };
-    for (const DeckBoundary& boundary : deck.boundaries)
-        if (!is_fixed(boundary.motion)) refuse(boundary.where, "a boundary that is not fixed");
+    constexpr const char* why = " does not go with local_repair = 1, which leaves the mesh as it is in the file but for "
+                                "inverted elements and those around them";
+    for (const BoundaryMotion& boundary : deck.boundaries)
+        if (!is_fixed(boundary.motion)) throw UsageError(boundary.where, ": a boundary that is not fixed", why);
     for (const char* key : {"refine", "degree", "frames"})
-        if (deck.given.contains(key)) refuse(deck.given.at(key), key);
+        if (deck.given.contains(key)) throw SettingError(key, key, why);
     if (deck.surface == SurfaceKind::keep || deck.surface == SurfaceKind::slide)
-        refuse(deck.given.at("surface"), "surface = keep or slide");
-    if (deck.distortion.delta > 0) refuse(deck.given.at("delta"), "delta");
-    if (deck.split != Split::never) refuse(deck.given.at("split"), "split");
+        throw SettingError("surface", "surface = keep or slide", why);
+    if (deck.distortion.delta > 0) throw SettingError("delta", "delta", why);
+    if (deck.split != Split::never) throw SettingError("split", "split", why);
 }
 
 // Algorithm 1 as printed weighs the penalty mu^2: the mu of a coarser mesh would mean something else.
 void check_start(const Deck& deck) {
-    if (deck.start != Start::coarse || deck.method.algorithm != Algorithm::literal) return;
-    throw UsageError(deck.given.at("start"),
-                     ": start = coarse does not go with algorithm = literal; take start = identity");
+    if (deck.start == Start::coarse && deck.method.algorithm == Algorithm::literal)
+        throw SettingError("start", "start = coarse does not go with algorithm = literal; take start = identity");
 }
 
 void check_resume(const Deck& deck) {
-    if (!deck.resume || !deck.frames.empty()) return;
-    throw UsageError(deck.given.at("resume"), ": resume is for frames; try ", command_to_go_on(deck));
+    if (deck.resume && deck.frames.empty())
+        throw SettingError("resume", "resume is for frames; try ", command_to_go_on(deck));
 }
 
 void check_method(const Deck& deck) {
-    if (deck.method.moving == MovingMethod::augmented_lagrangian || deck.distortion.objective != Objective::minimax)
-        return;
-    throw UsageError(deck.given.at("method"),
-                     ": objective = minimax does not go with this method: take method = augmented_lagrangian");
+    if (deck.method.moving != MovingMethod::augmented_lagrangian && deck.distortion.objective == Objective::minimax)
+        throw SettingError("method", "objective = minimax does not go with this method: take method = "
+                           "augmented_lagrangian");
+}
+
+void check_improve(const Deck& deck) {
+    if (!is_improved(deck.ideal)) return;
+    for (const auto& [key, is_set] : {std::pair("frames", !deck.frames.empty()), {"start", deck.start == Start::coarse},
+                                      {"local_repair", deck.local_repair == LocalRepair::yes},
+                                      {"split", deck.split != Split::never}})
+        if (is_set) throw SettingError(key, key, " does not go with ideal = regular, size or mesh: leave it out");
 }
 
 }  // namespace
 
-// With fewer points than |F|^2 needs, the energy does not see some motions of the nodes inside an element.
-void check_quadrature(const Deck& deck, const Mesh& mesh, int degree) {
-    const int least = mesh.is_simplicial() ? 2 * (degree - 1) : 2 * degree, exactness = deck.distortion.exactness;
-    if (exactness == 0 || exactness >= least) return;
-    throw UsageError(deck.given.at("quadrature"), ": quadrature = ", exactness, " is too low for elements of degree ",
-                     degree, ": take at least ", least, ", or 0");
+std::vector<FileFormat> final_formats(FinalFormat wanted, const Mesh& mesh) {
+    const FileFormat input = mesh.file.format, su2 = {FileFormat::Kind::su2};
+    const FileFormat msh = input.kind == FileFormat::Kind::msh ? input : FileFormat();
+    if (wanted == FinalFormat::input) return {input.kind == su2.kind ? su2 : msh};
+    if (wanted == FinalFormat::msh) return {msh};
+    if (wanted == FinalFormat::su2) return {su2};
+    if (wanted == FinalFormat::both) return {msh, su2};
+    const int place = static_cast<int>(wanted) - static_cast<int>(FinalFormat::msh22);
+    constexpr int versions[] = {22, 40, 41};
+    return {{FileFormat::Kind::msh, versions[place / 2], place % 2 == 1}};
 }
 
 std::string curved_su2(const Deck& deck, const Mesh& mesh) {
@@ -70,62 +75,51 @@ void check_final_ids(const Deck& deck, const Mesh& mesh) {
     for (const FileFormat& format : final_formats(deck.final_format, mesh)) check_ids_fit(mesh, format);
 }
 
-void check_split(const Deck& deck, const Mesh& mesh) {
-    if (deck.split == Split::never || mesh.is_simplicial()) return;
-    throw UsageError(deck.given.at("split"), ": split divides triangles and tetrahedra, but the mesh has ",
-                     mesh.elements_text(), ": leave it out");
-}
-
-// A mesh that is its own ideal mesh has no coarser one, and one of lower degree has another shape.
-void check_curved_ideal(const Deck& deck, const Mesh& in_file, const Mesh& of_run) {
-    if (deck.start == Start::coarse)
-        throw UsageError(deck.given.at("start"), ": start = coarse needs a straight-sided ideal mesh; with ideal = "
-                         "given take start = identity");
-    if (of_run.degree < in_file.degree && !certify(of_run, of_run.x).valid)
-        throw UsageError(deck.given.at("degree"), ": in degree ", of_run.degree, " the curved mesh, which is the "
-                         "ideal mesh with ideal = given, is not valid: take degree = ", in_file.degree);
+UsageError with_line(const Deck& deck, const SettingError& error) {
+    const auto where = deck.given.find(error.key);
+    return UsageError(where == deck.given.end() ? deck.path : where->second, ": ", error.what());
 }
 
 // Formulas of t without frames, and what frames do not go with.
-void check_times(const Deck& deck) {
-    for (const DeckBoundary& boundary : deck.boundaries)
+void check_times(const Deck& deck) try {
+    for (const BoundaryMotion& boundary : deck.boundaries)
         if (deck.frames.empty() && depends_on_time(boundary.motion))
             throw UsageError(boundary.where, ": boundary ", boundary.name, " moves with the time t: ",
                              "give the times, such as `frames = 0 : 0.1 : 1`");
     if (files_in_line(deck) > 0 && !is_coupled(deck.frames))
-        throw UsageError(deck.path, ": a step `file -` takes the file that standard input names with each time, which "
-                         "needs `frames = -`");
+        throw SettingError("", "a step `file -` takes the file that standard input names with each time, which needs "
+                           "`frames = -`");
     if (is_coupled(deck.frames) && deck.resume)
-        throw UsageError(deck.given.at("resume"), ": resume does not go with frames = -: start the run again and send "
-                         "the last times again");
+        throw SettingError("resume", "resume does not go with frames = -: start the run again and send the last times "
+                           "again");
     if (deck.velocity != Velocity::no && deck.frames.empty())
-        throw UsageError(deck.given.at("velocity"), ": velocity needs frames, the times of a motion");
+        throw SettingError("velocity", "velocity needs frames, the times of a motion");
     for (const auto& [key, is_set] : {std::pair("split", deck.split != Split::never),
-                                      std::pair("surface", deck.surface == SurfaceKind::straighten),
-                                      std::pair("iterates", deck.iterates > 0)})
+                                      {"surface", deck.surface == SurfaceKind::straighten},
+                                      {"iterates", deck.iterates > 0}})
         if (is_set && !deck.frames.empty())
-            throw UsageError(deck.given.at(key), ": ", key, " does not go with frames: leave it out");
+            throw SettingError(key, key, " does not go with frames: leave it out");
+} catch (const SettingError& error) {
+    throw with_line(deck, error);
 }
 
-void check_keys(const Deck& deck) {
+void check_keys(const Deck& deck) try {
     check_start(deck);
     check_resume(deck);
     check_times(deck);
     check_method(deck);
     check_local_repair(deck);
     check_improve(deck);
+} catch (const SettingError& error) {
+    throw with_line(deck, error);
 }
 
-bool accepts(Deck deck, const Mesh& mesh, const std::string& key, const std::string& value) try {
-    for (const DeckKey& row : deck_keys()) {
-        if (row.name != key) continue;
-        const std::string before = row.value.text(deck);
-        set_value(deck, row, value);
-        if (row.value.text(deck) == before) return false;
-    }
-    deck.given[key] = key;
+bool accepts(Deck deck, const std::string& key, const std::string& value) try {
+    const DeckKey& row = *find_row(deck_keys(), key);
+    const std::string before = row.value.text(deck);
+    set_value(deck, row, value);
+    if (row.value.text(deck) == before) return false;
     check_keys(deck);
-    check_split(deck, mesh);
     return true;
 } catch (const UsageError&) {
     return false;

@@ -1,23 +1,27 @@
-// What a deck asks for that does not go together, or not with its mesh: refused before anything is solved. All throw
-// UsageError with the line of the deck.
+// What a deck asks for that does not go together, or not with its mesh: refused before anything is solved.
 #pragma once
+#include "base/error.hpp"
 #include "deck/deck.hpp"
-#include "constraint/target.hpp"
 #include "mesh/mesh.hpp"
 
 namespace almesh {
 
-void check_curved_ideal(const Deck& deck, const Mesh& in_file, const Mesh& of_run);
-void check_split(const Deck& deck, const Mesh& mesh);
+// All throw UsageError with the line of the deck.
 void check_times(const Deck& deck);  // frames
-void check_keys(const Deck& deck);  // and all else that needs no mesh
+void check_keys(const Deck& deck);   // and all else that needs no mesh
+void check_final_ids(const Deck& deck, const Mesh& mesh);  // throws InputError
+
 std::string curved_su2(const Deck& deck, const Mesh& mesh);  // "" or a note
 // "" where the final mesh has all sections of its file; else a note of those that are left out.
 std::string left_out_sections(const Deck& deck, const Mesh& in_file, const Mesh& of_run);
-void check_quadrature(const Deck& deck, const Mesh& mesh, int degree);
-void check_final_ids(const Deck& deck, const Mesh& mesh);  // throws InputError
 
 // Whether a run accepts the deck with another value of a key, so that it can be advised.
-bool accepts(Deck deck, const Mesh& mesh, const std::string& key, const std::string& value);
+bool accepts(Deck deck, const std::string& key, const std::string& value);
+
+// How the final mesh is written: final.msh, final.su2, or both.
+std::vector<FileFormat> final_formats(FinalFormat wanted, const Mesh& mesh);
+
+// Of an error of a setting, with the line of its key.
+UsageError with_line(const Deck& deck, const SettingError& error);
 
 }  // namespace almesh

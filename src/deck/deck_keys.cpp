@@ -8,7 +8,6 @@
 #include <type_traits>
 #include <utility>
 
-#include "report/iteration_table.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 
@@ -326,7 +325,7 @@ constexpr const char* other_lines[][3] = {
 
 }  // namespace
 
-std::string keys_table() {
+std::string keys_table(const std::vector<Named>& history) {
     const std::vector<std::size_t> width = {23, 11, 33, 33};
     const Deck defaults;
     std::string text = table_row({"KEY", "DEFAULT", "LEGAL VALUES", "MEANING"}, width);
@@ -341,7 +340,7 @@ std::string keys_table() {
     };
     list("Steps of a motion", motion_forms(), 50);
     list("Quantities of the summary", summary_quantities(), 27);
-    list("Columns of history.csv", history_columns(), 27);
+    list("Columns of history.csv", history, 27);
     return text;
 }
 

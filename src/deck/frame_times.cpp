@@ -78,7 +78,7 @@ std::vector<double> frame_times(const Deck& deck) {
 Deck deck_at(const Deck& deck, double t, int number, const std::vector<std::string>& files) {
     Deck now = deck;
     auto file = files.begin();
-    for (DeckBoundary& boundary : now.boundaries) {
+    for (BoundaryMotion& boundary : now.boundaries) {
         const std::string where = concat(boundary.where, ": boundary ", boundary.name, ", ", frame_at(number, t), ": ");
         try {
             boundary.motion = at_time(std::move(boundary.motion), t, number);
@@ -96,7 +96,7 @@ Deck deck_at(const Deck& deck, double t, int number, const std::vector<std::stri
 
 Deck deck_at_rest(const Deck& deck) {
     Deck rest = deck;
-    for (DeckBoundary& boundary : rest.boundaries) {
+    for (BoundaryMotion& boundary : rest.boundaries) {
         std::vector<MotionStep>& steps = boundary.motion.steps;
         if (is_prescribed(kind_of(boundary.motion)) || steps.back().file == file_of_line)
             boundary.motion = motion_of(NodeKind::fixed);
@@ -107,7 +107,7 @@ Deck deck_at_rest(const Deck& deck) {
 
 int files_in_line(const Deck& deck) {
     int count = 0;
-    for (const DeckBoundary& boundary : deck.boundaries)
+    for (const BoundaryMotion& boundary : deck.boundaries)
         for (const MotionStep& step : boundary.motion.steps) count += step.file == file_of_line;
     return count;
 }

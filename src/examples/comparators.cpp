@@ -15,6 +15,7 @@
 
 #include "base/parallel.hpp"
 #include "base/text.hpp"
+#include "deck/make_problem.hpp"
 #include "examples/linear_extension.hpp"
 #include "linalg/vector_ops.hpp"
 #include "method/functional.hpp"

@@ -11,6 +11,7 @@
 #include "io/foreign_cells.hpp"
 #include "io/su2.hpp"
 #include "io/vtk.hpp"
+#include "mesh/build.hpp"
 
 namespace almesh {
 
@@ -60,5 +61,10 @@ inline std::string to_string(const FileFormat& format) {
 
 // The same read from the file.
 inline RawMesh read_mesh(const std::string& path) { return parse_mesh(read_file(path), path); }
+
+// As it is in the file, with inverted elements if it has any. notes: what was corrected in it.
+inline Mesh read_as_it_is(const std::string& path, std::vector<std::string>& notes) {
+    return build_mesh(read_mesh(path), notes, Folds::keep);
+}
 
 }  // namespace almesh

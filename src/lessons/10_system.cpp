@@ -8,7 +8,7 @@
 #include "base/error.hpp"
 #include "lessons/matrix_market.hpp"
 #include "method/functional.hpp"
-#include "problem/problem.hpp"
+#include "deck/make_problem.hpp"
 
 using namespace almesh;
 

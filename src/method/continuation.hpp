@@ -61,7 +61,7 @@ struct Stage {
 using StageObserver = std::function<void(const Stage&)>;
 
 // Where a run stands, besides its mesh: the loops keep it up to date, and go on from it after the run was stopped or
-// killed (problem/so_far.hpp).
+// killed (deck/so_far.hpp).
 struct Standing {
     double fraction = 0;         // load increments are solved up to it; 1: the whole motion is what is being solved
     int power = 0;               // that is being solved; 0: none yet

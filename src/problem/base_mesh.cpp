@@ -24,20 +24,20 @@ Mesh straight_mesh(const RawMesh& raw, std::vector<std::string>& notes) {
 }  // namespace
 
 BaseMesh build_base_mesh(const RawMesh& raw, IdealKind ideal, std::vector<std::string>& notes) {
-    if (is_improved(ideal)) return {build_mesh(raw, notes, Folds::keep), true};
+    if (is_improved(ideal)) return {build_mesh(raw, notes, Folds::keep), true, raw.path};
     const std::size_t told = notes.size();
     const bool is_linear = degree_of(raw) == 1;
     std::string against_straight;
     if (ideal != IdealKind::given || is_linear) {
         try {
-            return {straight_mesh(raw, notes)};
+            return {straight_mesh(raw, notes), false, raw.path};
         } catch (const InputError& error) {
             if (ideal == IdealKind::straight || is_linear) throw;
             against_straight = concat(error.what(), dynamic_cast<const InvalidMesh*>(&error) ? "\n" : "; ");
         }
         notes.resize(told);
     }
-    BaseMesh base{build_mesh(raw, notes, Folds::keep), true};
+    BaseMesh base{build_mesh(raw, notes, Folds::keep), true, raw.path};
     const Certificate certificate = certify(base.mesh, base.mesh.x);
     if (!certificate.valid)
         throw InvalidMesh(list_invalid(base.mesh, certificate.uncertified, base.mesh.x, certificate.lower_bound),

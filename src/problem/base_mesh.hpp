@@ -14,6 +14,7 @@ namespace almesh {
 struct BaseMesh {
     Mesh mesh;
     bool is_own_ideal = false;  // it is curved, and itself the ideal mesh
+    std::string name = {};      // of its file, for errors
 };
 
 // Of a mesh with elements that are not valid, which are listed in what().

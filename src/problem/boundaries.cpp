@@ -5,7 +5,6 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "geometry/face_patches.hpp"
 #include "mesh/inner_boundary.hpp"
 
 namespace almesh {
@@ -24,12 +23,12 @@ std::string list_of(const Names& names) {
     return names.size() > most ? concat(list, " and ", names.size() - most, " more") : list;
 }
 
-std::string plain_name(const DeckBoundary& line) {
+std::string plain_name(const BoundaryMotion& line) {
     return line.is_volume ? line.name.substr(volume_group("").size()) : line.name;
 }
 
-// As it stands in the deck.
-std::string shown(const DeckBoundary& line) {
+// As it stands in a deck.
+std::string shown(const BoundaryMotion& line) {
     return (line.is_volume ? "volume " : "boundary ") + with_quotes(plain_name(line));
 }
 
@@ -48,34 +47,34 @@ struct MeshGroups {
     }
 };
 
-void check_names(const Deck& deck, const Mesh& mesh, const MeshGroups& groups) {
+void check_names(const ProblemSetup& setup, const Mesh& mesh, const MeshGroups& groups) {
     Names faces = groups.outer;
     MeshGroups::add(groups.inner, faces);
     MeshGroups::add(mesh.boundaries, faces);
-    const auto check = [](const std::string& where, const char* kind, const Names& names, const std::string& name) {
-        if (!has(names, name))
-            throw UsageError(where, ": the mesh has no ", kind, " ", with_quotes(name),
-                             names.empty() ? "" : ", only " + list_of(names));
+    const auto no_such = [](const char* kind, const std::string& name, const Names& names) {
+        return concat(": the mesh has no ", kind, " ", with_quotes(name),
+                      names.empty() ? "" : ", only " + list_of(names));
     };
-    for (const DeckBoundary& line : deck.boundaries) {
-        if (line.is_volume) check(line.where, "volume", groups.volumes, plain_name(line));
-        else if (line.name != "all" && line.name != "rest") check(line.where, "boundary", faces, line.name);
+    for (const BoundaryMotion& line : setup.boundaries) {
+        const Names& names = line.is_volume ? groups.volumes : faces;
+        if (!has(names, plain_name(line)) && line.name != "all" && line.name != "rest")
+            throw UsageError(line.where,
+                             no_such(line.is_volume ? "volume" : "boundary", plain_name(line), names));
         try {
             check_dimension(line.motion, mesh.dim);
         } catch (const UsageError& error) {
             throw UsageError(line.where, ": ", shown(line), ": ", error.what());
         }
     }
-    if (deck.wall.empty()) return;
-    const auto it = deck.given.find("wall");
-    check((it == deck.given.end() ? deck.path : it->second) + ": wall", "boundary", groups.outer, deck.wall);
+    if (!setup.wall.empty() && !has(groups.outer, setup.wall))
+        throw SettingError("wall", "wall", no_such("boundary", setup.wall, groups.outer));
 }
 
-// The line of the deck that names a boundary, else one of its groups; null where none does.
-const DeckBoundary* line_of(const Deck& deck, const Mesh& mesh, int boundary) {
-    const DeckBoundary* found = find_row(deck.boundaries, mesh.boundaries[boundary]);
+// The line that names a boundary, else one of its groups; null where none does.
+const BoundaryMotion* line_of(const ProblemSetup& setup, const Mesh& mesh, int boundary) {
+    const BoundaryMotion* found = find_row(setup.boundaries, mesh.boundaries[boundary]);
     if (found) return found;
-    for (const DeckBoundary& line : deck.boundaries) {
+    for (const BoundaryMotion& line : setup.boundaries) {
         if (!has(mesh.boundary_groups[boundary], line.name)) continue;
         if (found && found->motion != line.motion) {
             const auto face = std::find(mesh.face_boundary.begin(), mesh.face_boundary.end(), boundary);
@@ -88,32 +87,13 @@ const DeckBoundary* line_of(const Deck& deck, const Mesh& mesh, int boundary) {
     return found;
 }
 
-// Those all of whose faces belong to others now.
-void drop_empty_boundaries(Mesh& mesh) {
-    std::vector<int> number(mesh.boundaries.size(), -1);
-    for (const int boundary : mesh.face_boundary) number[boundary] = 0;
-    int next = 0;
-    for (std::size_t b = 0; b < number.size(); ++b) {
-        if (number[b] < 0) continue;
-        number[b] = next;
-        mesh.boundaries[next] = mesh.boundaries[b];
-        mesh.boundary_groups[next] = mesh.boundary_groups[b];
-        if (!mesh.inner.empty()) mesh.inner[next] = mesh.inner[b];
-        ++next;
-    }
-    mesh.boundaries.resize(next);
-    mesh.boundary_groups.resize(next);
-    if (!mesh.inner.empty()) mesh.inner.resize(next);
-    for (int& boundary : mesh.face_boundary) boundary = number[boundary];
-}
-
 // Boundaries that one line moves become one.
-void merge_boundaries(const Deck& deck, Mesh& mesh) {
+void merge_boundaries(const ProblemSetup& setup, Mesh& mesh) {
     std::map<std::pair<std::string, bool>, int> known;  // by name, and whether it is an inner one
     Mesh merged;
     std::vector<int> number;
     for (int b = 0; b < static_cast<int>(mesh.boundaries.size()); ++b) {
-        const DeckBoundary* const line = line_of(deck, mesh, b);
+        const BoundaryMotion* const line = line_of(setup, mesh, b);
         const bool is_inner = !mesh.inner.empty() && mesh.inner[b];
         const std::string& name = line ? line->name : mesh.boundaries[b];
         const auto [at, is_new] = known.try_emplace({name, is_inner}, static_cast<int>(merged.boundaries.size()));
@@ -132,36 +112,6 @@ void merge_boundaries(const Deck& deck, Mesh& mesh) {
     for (int& boundary : mesh.face_boundary) boundary = number[boundary];
 }
 
-// The faces that a selection takes become a boundary of its name alone.
-void select_faces(const Deck& deck, Mesh& mesh) {
-    std::vector<int> part;
-    for (const DeckSelection& selection : deck.selections) {
-        if (!selection.condition && part.empty()) part = smooth_parts(mesh, deck.feature_angle);
-        const auto is_chosen = [&](int f) {
-            if (!selection.condition)
-                return std::find(selection.parts.begin(), selection.parts.end(), part[f]) != selection.parts.end();
-            return (*selection.condition)(centroid(mesh, mesh.x, mesh.face(f), mesh.face_cell(f).vertices),
-                                           unit_normal(mesh, f));
-        };
-        std::vector<int> chosen;
-        for (int f = 0; f < mesh.face_count(); ++f)
-            if (is_chosen(f)) chosen.push_back(f);
-        if (chosen.empty())
-            throw UsageError(selection.where, ": select ", with_quotes(selection.name),
-                             " takes no face of the boundary: almesh info ", deck.mesh,
-                             selection.condition
-                                 ? " shows the boxes of its boundaries"
-                                 : " feature_angle=" + to_text(deck.feature_angle) + " numbers its parts");
-        const std::vector<char> known = mesh.boundaries_in(selection.name);
-        if (std::count(known.begin(), known.end(), 1) > 0)
-            throw UsageError(selection.where, ": select ", with_quotes(selection.name),
-                             ": the mesh has a boundary of this name already");
-        const int boundary = add_boundary(mesh, {selection.name});
-        for (const int f : chosen) mesh.face_boundary[f] = boundary;
-    }
-    drop_empty_boundaries(mesh);
-}
-
 // The motion, with `slide` last where it prescribes positions.
 Motion sliding(const Motion& motion) {
     if (!is_prescribed(kind_of(motion))) return motion;
@@ -171,14 +121,14 @@ Motion sliding(const Motion& motion) {
 }
 
 // `contact = A, B; C`: 1 for A and B, -2 for C.
-void set_contacts(const Deck& deck, Mesh& mesh) {
-    if (deck.contact.empty()) return;
-    const auto refuse = [&deck](std::string_view name, const char* why) {
-        throw UsageError(deck.given.at("contact"), ": contact: ", in_backquotes(name), why);
+void set_contacts(const ProblemSetup& setup, Mesh& mesh) {
+    if (setup.contact.empty()) return;
+    const auto refuse = [](std::string_view name, const char* why) {
+        throw SettingError("contact", "contact: ", in_backquotes(name), why);
     };
     mesh.contact.assign(mesh.boundaries.size(), 0);
     int number = 0;
-    for (const std::string_view list : split(deck.contact, ';')) {
+    for (const std::string_view list : split(setup.contact, ';')) {
         const std::vector<std::string_view> names = split(list, ',');
         ++number;
         for (const std::string_view name : names) {
@@ -196,12 +146,35 @@ void set_contacts(const Deck& deck, Mesh& mesh) {
 
 }  // namespace
 
-void assign_boundaries(const Deck& deck, Mesh& mesh, std::vector<std::string>& notes) {
-    if (!deck.selections.empty()) select_faces(deck, mesh);
+const BoundaryMotion* motion_for(const ProblemSetup& setup, const std::string& boundary) {
+    for (const std::string& name : {boundary, std::string("rest"), std::string("all")})
+        if (const BoundaryMotion* const found = find_row(setup.boundaries, name)) return found;
+    return nullptr;
+}
+
+void drop_empty_boundaries(Mesh& mesh) {
+    std::vector<int> number(mesh.boundaries.size(), -1);
+    for (const int boundary : mesh.face_boundary) number[boundary] = 0;
+    int next = 0;
+    for (std::size_t b = 0; b < number.size(); ++b) {
+        if (number[b] < 0) continue;
+        number[b] = next;
+        mesh.boundaries[next] = mesh.boundaries[b];
+        mesh.boundary_groups[next] = mesh.boundary_groups[b];
+        if (!mesh.inner.empty()) mesh.inner[next] = mesh.inner[b];
+        ++next;
+    }
+    mesh.boundaries.resize(next);
+    mesh.boundary_groups.resize(next);
+    if (!mesh.inner.empty()) mesh.inner.resize(next);
+    for (int& boundary : mesh.face_boundary) boundary = number[boundary];
+}
+
+void assign_boundaries(const ProblemSetup& setup, Mesh& mesh, std::vector<std::string>& notes) {
     const MeshGroups groups(mesh);
-    const bool keeps_inner = is_improved(deck.ideal) && motion_for(deck, "rest");
+    const bool keeps_inner = is_improved(setup.ideal) && motion_for(setup, "rest");
     Names inner, volumes;
-    for (const DeckBoundary& line : deck.boundaries) {
+    for (const BoundaryMotion& line : setup.boundaries) {
         if (line.is_volume) volumes.push_back(plain_name(line));
         else if (has(groups.inner, line.name)) inner.push_back(line.name);
     }
@@ -210,27 +183,27 @@ void assign_boundaries(const Deck& deck, Mesh& mesh, std::vector<std::string>& n
         make_inner_boundaries(mesh, inner, volumes, keeps_inner);
         drop_empty_boundaries(mesh);
     }
-    check_names(deck, mesh, groups);
+    check_names(setup, mesh, groups);
     const Names free = names_of(inner_groups(mesh));
     if (!free.empty()) notes.push_back("inside the mesh, and free as the deck has no line for them: " + list_of(free));
-    merge_boundaries(deck, mesh);
-    set_contacts(deck, mesh);
+    merge_boundaries(setup, mesh);
+    set_contacts(setup, mesh);
 }
 
-std::vector<Motion> motions_of(const Deck& deck, const Mesh& mesh) {
+std::vector<Motion> motions_of(const ProblemSetup& setup, const Mesh& mesh) {
     std::vector<Motion> motions;
     Names missing;
     for (const std::string& name : mesh.boundaries) {
-        const DeckBoundary* const line = motion_for(deck, name);
+        const BoundaryMotion* const line = motion_for(setup, name);
         if (!line) missing.push_back(name);
-        else if (deck.surface == SurfaceKind::slide && !line->is_volume) motions.push_back(sliding(line->motion));
+        else if (setup.surface == SurfaceKind::slide && !line->is_volume) motions.push_back(sliding(line->motion));
         else motions.push_back(line->motion);
     }
     if (missing.empty()) return motions;
     std::string lines;
     for (const std::string& name : missing)
         lines += "\n  boundary " + quoted_where_needed(name, "#=\" \t") + " = fixed";
-    throw UsageError(deck.path, ": ", counted(missing.size(), "boundary line"),
+    throw SettingError("", counted(missing.size(), "boundary line"),
                      " missing; add `boundary rest = fixed`, or each of these with its motion:", lines);
 }
 

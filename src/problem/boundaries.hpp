@@ -1,22 +1,43 @@
-// Which line of the deck moves which boundary of the mesh.
+// What moves which boundary of the mesh.
 #pragma once
 #include <string>
 #include <vector>
 
-#include "deck/deck.hpp"
+#include "constraint/motion.hpp"
 #include "mesh/mesh.hpp"
+#include "problem/options.hpp"
 
 namespace almesh {
 
-// Makes the boundaries of the mesh those of the deck: inner faces and volumes that it names become boundaries, faces in
-// several groups that one line moves are one boundary of its name. In a mesh that is improved, `rest` and `all` stand
-// for all boundaries inside too, named ones and those between groups of elements. Notes what is left free inside.
-// Throws UsageError where a line or `wall` names no group of the mesh, where a motion does not fit the dimension, and
-// where faces belong to two groups whose motions disagree.
-void assign_boundaries(const Deck& deck, Mesh& mesh, std::vector<std::string>& notes);
+struct BoundaryMotion {
+    std::string name;  // of the mesh's physical group, "volume NAME" where it is one of elements; or `rest`, `all`
+    Motion motion;
+    std::string where;  // for errors: "circle.deck:12" or "command line"
+    bool is_volume = false;
+};
 
-// One motion per boundary of the mesh; each must have one in the deck, `all` and `rest` stand for those not named.
-// Throws UsageError with the lines that are missing.
-std::vector<Motion> motions_of(const Deck& deck, const Mesh& mesh);
+// What is to be solved on a mesh.
+struct ProblemSetup : ProblemOptions {
+    std::vector<BoundaryMotion> boundaries;  // in their order of precedence at nodes that they share
+    std::string wall;                        // a boundary of the mesh, "" for none
+    std::string contact;                     // names of boundaries, lists of them separated by ;
+};
+
+// The motion of a boundary of the mesh: its own, or that of `rest` or `all`; null where there is none.
+const BoundaryMotion* motion_for(const ProblemSetup& setup, const std::string& boundary);
+
+// Makes the boundaries of the mesh those of the setup: inner faces and volumes that it names become boundaries, faces in
+// several groups that one motion has are one boundary of its name. In a mesh that is improved, `rest` and `all` stand
+// for all boundaries inside too, named ones and those between groups of elements. Notes what is left free inside.
+// Throws UsageError where a motion, the wall or a contact names no group of the mesh, where a motion does not fit the
+// dimension, and where faces belong to two groups whose motions disagree.
+void assign_boundaries(const ProblemSetup& setup, Mesh& mesh, std::vector<std::string>& notes);
+
+// Removes boundaries all of whose faces belong to others now.
+void drop_empty_boundaries(Mesh& mesh);
+
+// One motion per boundary of the mesh; each must have one, `all` and `rest` stand for those not named. Throws
+// SettingError with the lines of a deck that are missing.
+std::vector<Motion> motions_of(const ProblemSetup& setup, const Mesh& mesh);
 
 }  // namespace almesh

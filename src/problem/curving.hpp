@@ -3,8 +3,7 @@
 #include <cstdio>
 
 #include "problem/problem.hpp"
-#include "problem/so_far.hpp"
-#include "problem/solution.hpp"
+#include "problem/solve.hpp"
 
 namespace almesh {
 

@@ -10,7 +10,6 @@
 #include <cmath>
 
 #include "problem/solve.hpp"
-#include "report/iteration_table.hpp"
 #include "base/index.hpp"
 #include "method/levels.hpp"
 #include "method/polish.hpp"
@@ -27,22 +26,22 @@ bool may_follow(const ProblemOptions& options) {
 
 }  // namespace
 
-Solution FrameSolver::solve(const ProblemOptions& options, const FramesBefore& before, FrameRow& row,
-                            const AlObserver& observer) {
-    if (before.before(row.t) && may_follow(options)) {
+Solution FrameSolver::solve(const ProblemOptions& options, const FramesBefore& before, double t,
+                            std::string& started_from, const SolveObserver& anew, const AlObserver& observer) {
+    if (before.before(t) && may_follow(options)) {
         prepare(options);
         std::vector<double> x;
-        row.started_from = start(options, row.t, before, x);
-        if (!row.started_from.empty()) {
-            const HessianKind kind = row.started_from == "ideal" ? HessianKind::damping : HessianKind::full;
+        started_from = start(options, t, before, x);
+        if (!started_from.empty()) {
+            const HessianKind kind = started_from == "ideal" ? HessianKind::damping : HessianKind::full;
             Solution solution = predict(options, x, kind);
             if (solution.al.status == Status::stalled) solution = solve_from(options, x, observer);
             const Status status = solution.al.status;
             if (status == Status::converged || status == Status::interrupted) return solution;
         }
     }
-    row.started_from = "anew";
-    return solve_anew(options, row, observer);
+    started_from = "anew";
+    return solve_anew(options, anew, observer);
 }
 
 bool FrameSolver::leads(const ProblemOptions& options, const std::vector<Motion>& before,
@@ -140,25 +139,11 @@ Solution FrameSolver::solve_from(const ProblemOptions& options, const std::vecto
     return solution;
 }
 
-Solution FrameSolver::solve_anew(const ProblemOptions& options, FrameRow& row, const AlObserver& outer) {
-    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> nowhere(std::fopen("/dev/null", "w"), std::fclose);
-    IterationTable report(nowhere.get(), {problem_.mesh().dim, problem_.frame.length}, problem_.run_id);
-    SolveObserver observer;
-    observer.iteration = [&](const AlIteration& of) {
-        report.add(of);
-        if (outer.iteration) outer.iteration(of);
-    };
-    observer.newton_step = [&](int al_iteration, const NewtonStep& step) {
-        report.add(al_iteration, step);
-        if (outer.newton_step) outer.newton_step(al_iteration, step);
-    };
-    observer.stage = [&report](const Stage& stage) { report.add(stage); };
-    Solution solution = almesh::solve(options, problem_, observer);
-    row.history += report.rows();
-    solution.reached = report.reached;
+Solution FrameSolver::solve_anew(const ProblemOptions& options, const SolveObserver& anew, const AlObserver& observer) {
+    Solution solution = almesh::solve(options, problem_, anew);
     if (solution.al.status != Status::converged || !may_follow(options)) return solution;
     prepare(options);
-    Solution nearer = solve_from(options, solution.x, outer);  // as near to the minimum as the other frames
+    Solution nearer = solve_from(options, solution.x, observer);  // as near to the minimum as the other frames
     if (nearer.al.status != Status::converged) return solution;
     nearer.al.earlier_newton_iterations = solution.al.newton_iterations + solution.al.earlier_newton_iterations;
     nearer.coarse_newton_iterations = solution.coarse_newton_iterations;

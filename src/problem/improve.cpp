@@ -10,11 +10,8 @@
 #include "problem/curving.hpp"
 #include "problem/kept_surface.hpp"
 #include "problem/moved_vertices.hpp"
-#include "report/quality_change.hpp"
-#include "problem/start_mesh.hpp"
 #include "problem/untangling.hpp"
 #include "base/error.hpp"
-#include "base/files.hpp"
 #include "base/interrupt.hpp"
 #include "base/table.hpp"
 #include "check/infeasible.hpp"
@@ -22,7 +19,6 @@
 #include "check/target_check.hpp"
 #include "geometry/patch.hpp"
 #include "mesh/local_size.hpp"
-#include "mesh/regular_cell.hpp"
 
 namespace almesh {
 namespace {
@@ -58,25 +54,6 @@ std::vector<char> valid_elements(const Mesh& mesh, const std::vector<double>& x)
     return valid;
 }
 
-// Of the regular cells with edges as long as the formula has it at the middle of the elements.
-std::vector<double> volumes_by_size(const Deck& deck, const Problem& problem) {
-    const Mesh& mesh = problem.mesh();
-    const Expression size(deck.ideal_size, deck.constants);
-    std::vector<double> volumes;
-    for (int e = 0; e < mesh.element_count(); ++e) {
-        const Vec<3> at = problem.frame.to_file(element_centre(mesh, mesh.x, e));
-        const double length = size(at);
-        if (!(length > 0) || !std::isfinite(length))
-            throw UsageError(deck.given.at("ideal"), ": ideal = size: `", deck.ideal_size, "` is ", length,
-                             " at element ", mesh.file.element_id[e], " at ", position_text(at.data(), mesh.dim),
-                             ": it has to be a positive length everywhere");
-        double volume = std::pow(length / problem.frame.length, mesh.dim);
-        with_dimension(mesh.dim, [&](auto n) { volume *= regular_volume<n()>(mesh.cell(e)); });
-        volumes.push_back(volume);
-    }
-    return volumes;
-}
-
 // Whether no element is asked to be other than good, and the boundary to be elsewhere than on its surface.
 bool may_stay(const ProblemOptions& options, const Problem& problem) {
     const auto stays = [](const Motion& motion) {
@@ -108,8 +85,8 @@ Solution ended_at(const Problem& problem, std::vector<double> x, Status status) 
 }
 
 // Elements whose boundary makes them invalid need not be valid from here on.
-void find_infeasible_elements(const Deck& deck, Problem& problem, const std::vector<double>& x, std::FILE* out) {
-    set_functional(deck, problem);
+void find_infeasible_elements(const ProblemOptions& options, Problem& problem, const std::vector<double>& x, std::FILE* out) {
+    set_functional(options, problem);
     auto why = why_infeasible(problem.mesh(), x, *problem.level->constraint, problem.target, problem.sliding.get());
     const auto count = why.size() - std::count(why.begin(), why.end(), "");
     if (count == 0) return;
@@ -119,13 +96,13 @@ void find_infeasible_elements(const Deck& deck, Problem& problem, const std::vec
 }
 
 // Moves x, the first mesh, which has these invalid elements, to a valid one, but for elements that are then infeasible.
-void untangle(const Deck& deck, Problem& problem, const std::vector<int>& invalid, std::vector<double>& x,
+void untangle(const ProblemOptions& options, Problem& problem, const std::vector<int>& invalid, std::vector<double>& x,
               int& newton_steps, std::FILE* out) {
     const Mesh& mesh = problem.mesh();
     std::vector<double> volumes = problem.regular;
     for (int e = 0; e < mesh.element_count() && problem.regular.empty(); ++e)
         volumes.push_back(volume(mesh, problem.ideal(), e));
-    set_functional(deck, problem);
+    set_functional(options, problem);
     const auto never = problem.infeasible.size() - std::count(problem.infeasible.begin(), problem.infeasible.end(), "");
     UntanglingResult all{invalid};
     const auto leave_out = [&](const std::vector<int>& elements) {
@@ -144,7 +121,7 @@ void untangle(const Deck& deck, Problem& problem, const std::vector<int>& invali
             problem, *problem.level,
             {.objective = Objective::tangled, .curved_ideal = true, .regular = problem.regular});
         const UntanglingResult found = untangle_regions(mesh, volumes, *energy, *problem.level->constraint,
-                                                        problem.target, deck.linear, problem.infeasible, x);
+                                                        problem.target, options.linear, problem.infeasible, x);
         all = {found.left, all.regions + found.regions, all.newton_iterations + found.newton_iterations};
     }
     leave_out(std::vector(all.left));
@@ -155,98 +132,64 @@ void untangle(const Deck& deck, Problem& problem, const std::vector<int>& invali
                  counted(all.newton_iterations, "Newton step").c_str(), counted(all.regions, "region").c_str());
 }
 
-}  // namespace
-
-Deck improvement_deck(const std::vector<std::string>& arguments) {
-    if (arguments.size() < 2) throw UsageError("improve takes a mesh file: almesh improve FILE [key=value ...]");
-    std::vector<std::string> settings(arguments.begin() + 1, arguments.end());
-    settings[0] = "mesh=" + quoted_where_needed(settings[0], "#\"");
-    return parse_deck("ideal = regular\nboundary all = slide\n", arguments[1], settings);
-}
-
-void check_improve(const Deck& deck) {
-    if (!is_improved(deck.ideal)) return;
-    const auto refuse = [&](const std::string& key) {
-        throw UsageError(deck.given.at(key), ": ", key,
-                         " does not go with ideal = regular, size or mesh: leave it out");
-    };
-    if (!deck.frames.empty()) refuse("frames");
-    if (deck.start == Start::coarse) refuse("start");
-    if (deck.local_repair == LocalRepair::yes) refuse("local_repair");
-    if (deck.split != Split::never) refuse("split");
-}
-
-void set_ideal_elements(const Deck& deck, Problem& problem) {
-    const Mesh& mesh = problem.mesh();
-    if (deck.ideal == IdealKind::mesh) {
-        problem.level->ideal = read_positions(deck, "ideal", deck.ideal_file, mesh, problem.frame);
-    } else if (deck.ideal == IdealKind::size) {
-        problem.regular = volumes_by_size(deck, problem);
-    } else {
-        problem.regular = local_volumes(mesh, mesh.x, valid_elements(mesh, mesh.x));
-    }
-}
-
-namespace {
-
-Solution improved(const Deck& deck, Problem& problem, const Solve& solve, int& newton_steps, std::FILE* out) {
+Solution improved(const ProblemOptions& options, Problem& problem, const Solve& solve, int& newton_steps, std::FILE* out) {
     const Mesh& mesh = problem.mesh();
     // A run that goes on begins as it did before: what it knows better is where the first solution starts.
     const std::vector<double> so_far = problem.standing ? std::exchange(problem.start, {}) : std::vector<double>();
     std::vector<double> x = problem.start.empty() ? mesh.x : problem.start;
     const bool was_certified = invalid_elements(problem, x).empty();
-    if (!was_certified || !may_stay(deck, problem)) find_infeasible_elements(deck, problem, x, out);
+    if (!was_certified || !may_stay(options, problem)) find_infeasible_elements(options, problem, x, out);
     const std::vector<int> invalid = invalid_elements(problem, x);
     const bool was_valid = invalid.empty();
-    if (!was_valid) untangle(deck, problem, invalid, x, newton_steps, out);
+    if (!was_valid) untangle(options, problem, invalid, x, newton_steps, out);
     if (std::find(problem.infeasible.begin(), problem.infeasible.end(), "") == problem.infeasible.end() &&
         !problem.infeasible.empty())
         return ended_at(problem, std::move(x), Status::inverted);
     if (!was_certified) {
         const std::size_t told = problem.notes.size();
         take_along_target(problem, problem.start.empty() ? mesh.x : problem.start, x);
-        hold_curved_faces(deck, problem, x);
+        hold_curved_faces(options, problem, x);
         for (std::size_t k = told; k < problem.notes.size(); ++k)
             std::fprintf(out, "note: %s\n", problem.notes[k].c_str());
-        if (deck.ideal != IdealKind::mesh) problem.level->ideal = x;  // by which faces and heights are measured
+        if (options.ideal != IdealKind::mesh) problem.level->ideal = x;  // by which faces and heights are measured
     }
     problem.start = so_far.empty() ? x : so_far;
     const LeastJacobian before = least_jacobian(problem, x);
     const auto is_worse = [&](const Solution& solution) {
-        return was_valid && may_stay(deck, problem) && least_jacobian(problem, solution.x).is_below(before);
+        return was_valid && may_stay(options, problem) && least_jacobian(problem, solution.x).is_below(before);
     };
     const auto fails = [&](const Solution& solution) {
-        return may_stay(deck, problem) && !interrupted() &&
+        return may_stay(options, problem) && !interrupted() &&
                !(solution.al.status == Status::converged && is_certified(problem, solution.x));
     };
-    Solution solution = solve(deck, problem);
+    Solution solution = solve(options, problem);
     problem.start = x;
-    if (is_worse(solution) && deck.distortion.objective != Objective::minimax && !interrupted()) {
+    if (is_worse(solution) && options.distortion.objective != Objective::minimax && !interrupted()) {
         std::fprintf(out, "note: an element is worse than the worst of the file: again with objective = minimax\n");
-        Deck other = deck;
+        ProblemOptions other = options;
         other.distortion.objective = Objective::minimax;
         solution = solve(other, problem);
     }
     if (problem.sliding && fails(solution) && is_certified(problem, x)) {
         std::fprintf(out, "note: no valid mesh was found with nodes that slide: the boundary stays as it is\n");
         fix_boundary(problem, x);
-        solution = solve(deck, problem);
+        solution = solve(options, problem);
     }
     if (is_worse(solution) || (fails(solution) && is_certified(problem, x))) {
         std::fprintf(out, "note: no better mesh was found: the %smesh stays as it is\n",
                      was_valid ? "" : "untangled ");
-        set_functional(deck, problem);
+        set_functional(options, problem);
         solution = ended_at(problem, std::move(x), Status::converged);
     }
     return solution;
 }
 
 // The last row is of all elements, those that cannot be valid too.
-void count_infeasible(const Deck& deck, Problem& problem, Solution& solution) {
+void count_infeasible(const ProblemOptions& options, Problem& problem, Solution& solution) {
     if (problem.infeasible.empty()) return;
     std::vector<std::string> why;
     why.swap(problem.infeasible);
-    set_functional(deck, problem);
+    set_functional(options, problem);
     measure(*problem.level->energy, *problem.level->constraint, solution.x, solution.al.distortion,
             solution.al.iterations.back());
     if (solution.al.status == Status::converged && !invalid_elements(problem, solution.x).empty())
@@ -292,47 +235,49 @@ void raise_worst_corners(const ProblemOptions& options, const Problem& problem, 
 
 }  // namespace
 
-Solution improve(const Deck& deck, Problem& problem, const Solve& solve, int& newton_steps, std::FILE* out) {
-    const auto improve_near = [&](const Deck& with, Problem& of) {
+void set_regular_elements(Problem& problem) {
+    const Mesh& mesh = problem.mesh();
+    problem.regular = local_volumes(mesh, mesh.x, valid_elements(mesh, mesh.x));
+}
+
+Solution improve(const ProblemSetup& setup, Problem& problem, const Solve& solve, int& newton_steps, std::FILE* out) {
+    const auto improve_near = [&](const ProblemSetup& with, Problem& of) {
         const Solve solve_near = [&](const ProblemOptions& options, const Problem&) {
             const ProblemOptions settings = with_boundary_set(options, of);
             Solution found = best_of_powers(settings, of, solve, out);
             for (int attempt = 0; found.al.status == Status::converged &&
                                   hold_faces_off_surface(settings, of, found.x, attempt, out); ++attempt)
                 found = best_of_powers(settings, of, solve, out);
-            if (deck.given.count("objective") == 0 || settings.distortion.objective == Objective::minimax)
+            if (!setup.needs_objective || settings.distortion.objective == Objective::minimax)
                 raise_worst_corners(settings, of, found, newton_steps, out);
             return found;
         };
         return improved(with, of, solve_near, newton_steps, out);
     };
-    Solution solution = improve_near(deck, problem);
+    Solution solution = improve_near(setup, problem);
     const Mesh& mesh = problem.mesh();
-    if (mesh.degree > 1 && solution.x == mesh.x && may_stay(deck, problem) && !interrupted()) {
+    if (mesh.degree > 1 && solution.x == mesh.x && may_stay(setup, problem) && !interrupted()) {
         std::fprintf(out, "the vertices alone are moved, as in a mesh with straight sides:\n");
-        std::vector<double> x = moved_vertices(deck, problem, improve_near);
+        std::vector<double> x = moved_vertices(setup, problem, improve_near);
         const LeastJacobian before = least_jacobian(problem, mesh.x);
         const LeastJacobian now = x.empty() ? before : least_jacobian(problem, x);
         const bool is_better = now.corner > before.corner && !now.is_below(before) && is_certified(problem, x);
         if (!is_better) std::fprintf(out, "note: the mesh with moved vertices is not better either\n");
         else fix_boundary(problem, x);
-        set_functional(deck, problem);
+        set_functional(setup, problem);
         solution = ended_at(problem, is_better ? std::move(x) : mesh.x, Status::converged);
     }
-    if (solution.al.status != Status::converged && may_stay(deck, problem) && is_certified(problem, mesh.x) &&
-        surface_distance(problem, solution.x) > deck.surface_tolerance) {
+    if (solution.al.status != Status::converged && may_stay(setup, problem) && is_certified(problem, mesh.x) &&
+        surface_distance(problem, solution.x) > setup.surface_tolerance) {
         std::fprintf(out, "note: faces were off the surface at the end: the mesh stays as it is\n");
-        set_functional(deck, problem);
+        set_functional(setup, problem);
         solution = ended_at(problem, mesh.x, solution.al.status);
     }
-    if (solution.al.status == Status::converged && deck.given.count("surface_tolerance") > 0 &&
-        surface_distance(problem, solution.x) > deck.surface_tolerance)
+    if (solution.al.status == Status::converged && setup.needs_tolerance &&
+        surface_distance(problem, solution.x) > setup.surface_tolerance)
         solution.al.status = Status::off_surface;
-    count_infeasible(deck, problem, solution);
-    print_surface(out, deck, problem, solution.x);
-    const QualityChange change = quality_change(problem.mesh(), problem.mesh().x, solution.x);
-    print(out, quality_table(change));
-    write_file(deck.output + "/quality.csv", quality_csv(change));
+    count_infeasible(setup, problem, solution);
+    print_surface(out, setup, problem, solution.x);
     return solution;
 }
 

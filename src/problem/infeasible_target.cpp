@@ -4,13 +4,8 @@
 #include <limits>
 #include <set>
 
-#include "mesh/part.hpp"
-#include "report/results.hpp"
-#include "deck/deck_checks.hpp"
-#include "problem/problem.hpp"
-#include "base/error.hpp"
 #include "base/text.hpp"
-#include "check/infeasible.hpp"
+#include "mesh/part.hpp"
 #include "mesh/split.hpp"
 
 namespace almesh {
@@ -24,58 +19,19 @@ std::string counts_of(const Infeasible& infeasible) {
 }
 
 // Scaled Jacobian up to which elements that the target determines are infeasible.
-double bound_of(const Deck& deck, const Problem& problem) {
+double bound_of(const ProblemOptions& options, const Problem& problem) {
     constexpr double useless = 0.01;  // leaves no element of any use
-    if (deck.distortion.delta > 0) return -std::numeric_limits<double>::infinity();
-    return deck.surface == SurfaceKind::keep || problem.is_own_ideal ? 0 : useless;
+    if (options.distortion.delta > 0) return -std::numeric_limits<double>::infinity();
+    return options.surface == SurfaceKind::keep || problem.is_own_ideal ? 0 : useless;
 }
 
-Infeasible find_infeasible(const Deck& deck, const Problem& problem) {
-    return find_infeasible(problem.mesh(), problem.ideal(), problem.target, bound_of(deck, problem));
-}
-
-// "\ntry A, B or C": what helps, or may.
-std::string advice(const Deck& deck, const Problem& problem, const Infeasible& infeasible) {
-    const auto feasible_when_refined = [&] {
-        PlacedNodes placed = problem.placed;
-        BoundaryTarget target;
-        const auto level = discretise(problem, deck.refine + 1, problem.mesh().degree, placed, target);
-        return find_infeasible(level->mesh, level->ideal, target).none();
-    };
-    std::vector<std::string> to_try;
-    if (deck.surface == SurfaceKind::keep && infeasible.sliding_may_help() &&
-        accepts(deck, problem.mesh(), "surface", "auto"))
-        to_try.push_back("surface = auto (nodes slide along the surface there)");
-    if (infeasible.faces.faults.empty()) {
-        if (deck.split == Split::never && infeasible.division_helps() && accepts(deck, problem.mesh(), "split", "auto"))
-            to_try.push_back("split = auto (just these are divided, with the elements at the same edges)");
-        if (problem.base.degree == 1 && deck.refine < most_refinements && feasible_when_refined())
-            to_try.push_back(concat("refine = ", deck.refine + 1, " (all elements are divided)"));
-        if (!problem.mesh().is_simplicial()) to_try.push_back("a mesh with more elements there");
-        else if (!infeasible.division_helps())
-            to_try.push_back("a mesh in which each of these has an edge that is on no boundary");
-        to_try.push_back("targets that do not invert them");
-    }
-    std::string text;
-    for (std::size_t k = 0; k < to_try.size(); ++k)
-        text += (k == 0 ? "\ntry " : k + 1 < to_try.size() ? ", " : " or ") + to_try[k];
-    return text;
-}
-
-void refuse(const Deck& deck, const Problem& problem, const Infeasible& infeasible) {
-    const std::string message = infeasible.faces.faults.empty() ? "no valid mesh reaches the target: it inverts "
-                                                                : "the target makes the boundary itself invalid at ";
-    std::vector<double> scaled_jacobian(problem.mesh().element_count());
-    for (const InfeasibleElement& of : infeasible.elements) scaled_jacobian[of.element] = of.scaled_jacobian;
-    const InvalidElements all = list_invalid(problem.mesh(), elements_of(problem.mesh(), {{}, infeasible.elements}),
-                                             problem.mesh().x, scaled_jacobian);
-    throw InputError(message, counts_of(infeasible), ":", describe(problem.mesh(), infeasible),
-                     write_invalid(all, deck.output), advice(deck, problem, infeasible));
+Infeasible find_infeasible(const ProblemOptions& options, const Problem& problem) {
+    return find_infeasible(problem.mesh(), problem.ideal(), problem.target, bound_of(options, problem));
 }
 
 // Whether what is infeasible may stay so: elements of a mesh that is improved, which lists them (improve.hpp), and
 // faces of it that are where the file has them.
-bool may_stay_invalid(const Deck& deck, const Problem& problem, const Infeasible& infeasible) {
+bool may_stay_invalid(const ProblemOptions& options, const Problem& problem, const Infeasible& infeasible) {
     const Mesh& mesh = problem.mesh();
     const auto stays = [&](const TargetReport::Fault& fault) {
         const int* const node = mesh.face(fault.face);
@@ -85,14 +41,14 @@ bool may_stay_invalid(const Deck& deck, const Problem& problem, const Infeasible
                 return false;
         return true;
     };
-    return is_improved(deck.ideal) &&
+    return is_improved(options.ideal) &&
            std::all_of(infeasible.faces.faults.begin(), infeasible.faces.faults.end(), stays);
 }
 
-std::string note_of(const Deck& deck, const Problem& problem, const Infeasible& infeasible, const Mesh& mesh,
+std::string note_of(const ProblemOptions& options, const Problem& problem, const Infeasible& infeasible, const Mesh& mesh,
                     const std::string& what_is_done) {
     return concat("the target makes ", counts_of(infeasible), " invalid or nearly invalid (scaled Jacobian at most ",
-                  bound_of(deck, problem), "); ", what_is_done, ":", describe(mesh, infeasible));
+                  bound_of(options, problem), "); ", what_is_done, ":", describe(mesh, infeasible));
 }
 
 // Elements with two vertices of those that are chosen; of a mesh of simplices.
@@ -110,44 +66,63 @@ void add_around(const Mesh& mesh, std::vector<int>& elements) {
 
 }  // namespace
 
-int split_infeasible(const Deck& deck, Problem& problem, std::vector<std::string>& notes) {
-    if (deck.split == Split::never) return 0;
+InfeasibleTarget::InfeasibleTarget(const ProblemOptions& options, const Problem& problem, const Infeasible& infeasible)
+    : InputError(infeasible.faces.faults.empty() ? "no valid mesh reaches the target: it inverts "
+                                                 : "the target makes the boundary itself invalid at ",
+                 counts_of(infeasible), ":", describe(problem.mesh(), infeasible)),
+      sliding_may_help(infeasible.sliding_may_help()), division_helps(infeasible.division_helps()),
+      is_of_elements(infeasible.faces.faults.empty()), is_simplicial(problem.mesh().is_simplicial()),
+      refining_helps(is_of_elements && problem.base.degree == 1 && options.refine < most_refinements) {
+    const Mesh& mesh = problem.mesh();
+    std::vector<double> scaled_jacobian(mesh.element_count());
+    for (const InfeasibleElement& of : infeasible.elements) scaled_jacobian[of.element] = of.scaled_jacobian;
+    list = list_invalid(mesh, elements_of(mesh, {{}, infeasible.elements}), mesh.x, scaled_jacobian);
+    if (!refining_helps) return;
+    PlacedNodes placed = problem.placed;
+    BoundaryTarget target;
+    const auto level = discretise(problem, options.refine + 1, mesh.degree, placed, target);
+    refining_helps = find_infeasible(level->mesh, level->ideal, target).none();
+}
+
+int split_infeasible(const ProblemOptions& options, Problem& problem) {
+    if (options.split == Split::never) return 0;
     Mesh& base = problem.base;
-    const Infeasible infeasible = find_infeasible(deck, problem);
+    const Infeasible infeasible = find_infeasible(options, problem);
     if (!infeasible.faces_by_curvature()) return 0;  // what no element can mend
     Infeasible in_file;
     for (InfeasibleElement of : infeasible.elements) {
-        of.element >>= base.dim * deck.refine;  // of the file, which has it or has it as a part
+        of.element >>= base.dim * options.refine;  // of the file, which has it or has it as a part
         if (in_file.elements.empty() || in_file.elements.back().element != of.element) in_file.elements.push_back(of);
     }
     std::vector<int> elements = elements_of(base, in_file);
-    if (deck.split == Split::around) add_around(base, elements);
+    if (options.split == Split::around) add_around(base, elements);
     std::set<Simplex> at;
     for (const std::vector<Simplex>& inner : inner_simplices(base, elements)) at.insert(inner.begin(), inner.end());
     if (at.empty()) return 0;
     Mesh divided = split(base, {at.begin(), at.end()});
-    notes.push_back(note_of(deck, problem, in_file, base,
+    problem.notes.push_back(note_of(options, problem, in_file, base,
                             concat("divided by ", counted(at.size(), "node"), " inside, the mesh has ",
                                    divided.element_count() - base.element_count(), " elements more")));
     if (divided.file.sections.size() < base.file.sections.size())
-        notes.push_back("not in the final mesh, as its elements are not those of the file: $ElementNodeData");
+        problem.notes.push_back("not in the final mesh, as its elements are not those of the file: $ElementNodeData");
     base = std::move(divided);
     return static_cast<int>(in_file.elements.size());
 }
 
-void free_infeasible(const Deck& deck, Problem& problem) {
+void free_infeasible(const ProblemOptions& options, Problem& problem) {
     const Mesh& mesh = problem.mesh();
-    const Infeasible infeasible = find_infeasible(deck, problem);
+    const Infeasible infeasible = find_infeasible(options, problem);
     if (infeasible.none()) return;
-    const bool stays = !infeasible.sliding_may_help() || deck.surface == SurfaceKind::keep;
-    if (stays && may_stay_invalid(deck, problem, infeasible)) return;
-    if (stays) refuse(deck, problem, infeasible);
+    const bool stays = !infeasible.sliding_may_help() || options.surface == SurfaceKind::keep;
+    if (stays && may_stay_invalid(options, problem, infeasible)) return;
+    if (stays) throw InfeasibleTarget(options, problem, infeasible);
     const std::vector<char> freed = nodes_to_free(mesh, problem.target, infeasible);
     free_nodes(mesh, freed, problem.target);
-    const Infeasible left = find_infeasible(deck, problem);
-    if (!left.none() && !may_stay_invalid(deck, problem, left)) refuse(deck, problem, left);
+    const Infeasible left = find_infeasible(options, problem);
+    if (!left.none() && !may_stay_invalid(options, problem, left))
+        throw InfeasibleTarget(options, problem, left);
     const auto count = std::count(freed.begin(), freed.end(), 1);
-    problem.notes.push_back(note_of(deck, problem, infeasible, mesh,
+    problem.notes.push_back(note_of(options, problem, infeasible, mesh,
                                     counted(static_cast<std::size_t>(count), "node") +
                                         " around them slide along the surface"));
 }

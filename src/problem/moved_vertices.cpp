@@ -2,20 +2,21 @@
 
 #include <algorithm>
 
+#include "problem/base_mesh.hpp"
 #include "problem/improve.hpp"
 #include "problem/kept_surface.hpp"
 #include "base/error.hpp"
 
 namespace almesh {
 
-std::vector<double> moved_vertices(const Deck& deck, const Problem& problem,
-                                   const std::function<Solution(const Deck&, Problem&)>& improve_straight) try {
-    Deck straight_deck = deck;
-    straight_deck.degree = 1;
-    Problem straight = make_problem(straight_deck, {linear_part(problem.base), true}, problem.mesh_hash);
-    set_ideal_elements(straight_deck, straight);
-    hold_surface(straight_deck, straight);
-    const Solution solution = improve_straight(straight_deck, straight);
+std::vector<double> moved_vertices(const ProblemSetup& setup, const Problem& problem,
+                                   const std::function<Solution(const ProblemSetup&, Problem&)>& improve_straight) try {
+    ProblemSetup linear = setup;
+    linear.degree = 1;
+    Problem straight = make_problem(linear, {linear_part(problem.base), true});
+    set_regular_elements(straight);
+    hold_surface(linear, straight);
+    const Solution solution = improve_straight(linear, straight);
     if (solution.al.status != Status::converged) return {};
 
     const Mesh& mesh = problem.mesh();
@@ -35,7 +36,7 @@ std::vector<double> moved_vertices(const Deck& deck, const Problem& problem,
     std::vector<double> x = mesh.x;
     for (std::size_t k = 0; k < x.size(); ++k)
         if (now[k] != before[k]) x[k] = is_vertex[k / dim] ? now[k] : x[k] + (now[k] - before[k]);
-    return surface_distance(problem, x) <= deck.surface_tolerance ? x : std::vector<double>();
+    return surface_distance(problem, x) <= setup.surface_tolerance ? x : std::vector<double>();
 } catch (const Error&) {
     return {};
 }

@@ -12,7 +12,7 @@ namespace almesh {
 
 // Where it takes the nodes of the problem's mesh, in its frame; nothing where the mesh with straight sides cannot be
 // improved, or faces would leave the file's surface.
-std::vector<double> moved_vertices(const Deck& deck, const Problem& problem,
-                                   const std::function<Solution(const Deck&, Problem&)>& improve_straight);
+std::vector<double> moved_vertices(const ProblemSetup& setup, const Problem& problem,
+                                   const std::function<Solution(const ProblemSetup&, Problem&)>& improve_straight);
 
 }  // namespace almesh

@@ -283,12 +283,12 @@ NodeTargets read_node_targets(const Mesh& mesh, const std::vector<Motion>& motio
     return targets;
 }
 
-std::vector<OtherSurface> read_other_surfaces(const Deck& deck, const Mesh& mesh, std::vector<std::string>& notes) {
+std::vector<OtherSurface> read_other_surfaces(const ProblemSetup& setup, const Mesh& mesh, std::vector<std::string>& notes) {
     std::vector<OtherSurface> surfaces;
     std::map<std::string, std::shared_ptr<const Mesh>> of_path;
     for (int b = 0; b < static_cast<int>(mesh.boundaries.size()); ++b) {
         const std::string& name = mesh.boundaries[b];
-        const DeckBoundary* const line = motion_for(deck, name);
+        const BoundaryMotion* const line = motion_for(setup, name);
         const MotionStep* const step = line ? surface_step(line->motion) : nullptr;
         if (!step) continue;
         try {

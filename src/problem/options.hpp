@@ -11,6 +11,8 @@
 
 namespace almesh {
 
+constexpr int most_refinements = 8;
+
 enum class Start { automatic, identity, coarse, file };
 enum class LocalRepair { automatic, no, yes };
 enum class SurfaceKind { automatic, keep, slide, straighten };
@@ -45,12 +47,15 @@ struct ProblemOptions {
     LocalRepair local_repair = LocalRepair::automatic;
     double min_scaled_jacobian = 0.02;
     double feature_angle = 30;  // degrees
-    double surface_tolerance = 1e-3;  // of the local edge, of a mesh that is improved
+    double surface_tolerance = 1e-3;  // of the local edge, of a mesh that is improved,
+    bool needs_tolerance = false;     // which has not converged beyond it,
+    bool needs_objective = false;     // and is the minimiser of the objective: no worst corner is raised after it
     SurfaceKind surface = SurfaceKind::automatic;
     Split split = Split::never;
     std::optional<double> length_scale;
     LinearSolverParams linear;
     Forcing forcing = Forcing::automatic;
+    bool in_time = false;  // the problem is moved to other times (move_target())
 };
 
 // With what is `auto` made definite.

@@ -4,21 +4,14 @@
 #include <cmath>
 #include <limits>
 
-#include "problem/boundaries.hpp"
-#include "deck/deck_checks.hpp"
-#include "problem/improve.hpp"
+#include "problem/base_mesh.hpp"
 #include "problem/infeasible_target.hpp"
-#include "problem/kept_surface.hpp"
 #include "problem/memory.hpp"
 #include "problem/node_targets.hpp"
-#include "problem/so_far.hpp"
-#include "problem/start_mesh.hpp"
-#include "report/results.hpp"
 #include "base/error.hpp"
-#include "base/files.hpp"
-#include "base/parallel.hpp"
 #include "base/physical_memory.hpp"
 #include "base/text.hpp"
+#include "check/certificate.hpp"
 #include "check/infeasible.hpp"
 #include "constraint/sliding_boundary.hpp"
 #include "constraint/sliding_nodes.hpp"
@@ -26,32 +19,9 @@
 #include "energy/vertex_interpolation.hpp"
 #include "geometry/patch.hpp"
 #include "mesh/mesh.hpp"
-#include "io/mesh_format.hpp"
-#include "io/vtk.hpp"
 
 namespace almesh {
 namespace {
-
-RawMesh read_mesh_file(const Deck& deck, std::string& hash) {
-    std::string text;
-    try {
-        text = read_file(deck.mesh);
-    } catch (const InputError& error) {
-        throw InputError(deck.given.at("mesh"), ": ", error.what());
-    }
-    RawMesh raw;
-    parallel_invoke([&] { raw = parse_mesh(text, deck.mesh); }, [&] { hash = hash_of(text); });
-    return raw;
-}
-
-BaseMesh read_base_mesh(const Deck& deck, std::string& hash, std::vector<std::string>& notes) try {
-    return build_base_mesh(read_mesh_file(deck, hash), deck.ideal, notes);
-} catch (const InvalidMesh& error) {
-    const std::string in_run = ", or ideal = regular, which does so in this run and lists those that stay invalid";
-    throw InputError(error.what(), write_invalid(error.list, deck.output), "\ntry almesh improve ", deck.mesh,
-                     ", which makes those valid whose boundary lets them be",
-                     accepts(deck, {}, "ideal", "regular") ? in_run : "");
-}
 
 Mesh discretised(const Mesh& base, int refinements, int degree) {
     const Mesh refined = refine(base, refinements);
@@ -115,16 +85,16 @@ std::unique_ptr<Level> discretise(const Problem& problem, int refinements, int d
 
 namespace {
 
-// Of the run, in units of the file: what the deck says, or so that the mesh has the volume 1.
-double unit_of_length(const Deck& deck, double volume, int dim) {
+// Of the run, in units of the file: what the options say, or so that the mesh has the volume 1.
+double unit_of_length(const ProblemOptions& options, const std::string& name, double volume, int dim) {
     if (volume == 0)
-        throw InputError(deck.mesh, ": the volumes of its elements add up to 0, as where all nodes are in one place, "
+        throw InputError(name, ": the volumes of its elements add up to 0, as where all nodes are in one place, "
                          "on a line or in a plane: no mesh can be made of it");
     constexpr double most = 1e50;  // a mesh of that size has volumes, and products of them, within the range of numbers
-    const double size = std::pow(std::abs(volume), 1.0 / dim), unit = deck.length_scale.value_or(size);
+    const double size = std::pow(std::abs(volume), 1.0 / dim), unit = options.length_scale.value_or(size);
     if (size / unit >= 1 / most && size / unit <= most) return unit;
-    throw UsageError(deck.given.at("length_scale"), ": in units of length_scale = ", unit, " the mesh is ",
-                     size / unit, " long, which is beyond the range of numbers: leave the key out");
+    throw SettingError("length_scale", "in units of length_scale = ", unit, " the mesh is ",
+                       size / unit, " long, which is beyond the range of numbers: leave the key out");
 }
 
 // Boundaries along which nodes slide.
@@ -162,8 +132,8 @@ void finish(const Mesh& mesh, const Frame& frame, SlidingSurfaces* sliding, Boun
     frame.take_to_run(target.sample, mesh.dim);
 }
 
-void note_surfaces(const Deck& deck, const Mesh& mesh, const SlidingSurfaces& sliding,
-                   std::vector<std::string>& notes) {
+void note_surfaces(const SlidingSurfaces& sliding, Problem& problem) {
+    const Mesh& mesh = problem.mesh();
     for (int b = 0; b < static_cast<int>(mesh.boundaries.size()); ++b) {
         std::map<std::string, int> count;
         for (int part = 0; part < sliding.parts(); ++part)
@@ -172,9 +142,9 @@ void note_surfaces(const Deck& deck, const Mesh& mesh, const SlidingSurfaces& sl
         for (const auto& [name, times] : count)
             text += (text.empty() ? "" : ", ") + name +
                     (times > 1 ? concat(" (", times, " parts)") : std::string());
-        const MotionStep* const other = surface_step(motion_for(deck, mesh.boundaries[b])->motion);
+        const MotionStep* const other = surface_step(problem.motions[b]);
         const std::string along = other ? " along " + other->file + ": " : " along: ";
-        if (!text.empty()) notes.push_back("boundary " + mesh.boundaries[b] + " slides" + along + text);
+        if (!text.empty()) problem.notes.push_back("boundary " + mesh.boundaries[b] + " slides" + along + text);
     }
 }
 
@@ -185,56 +155,65 @@ void take_to_run(const Frame& frame, Level& level) {
 }
 
 // Whether a curved mesh is only to be made valid, with what may be done to its boundary (curving.hpp).
-bool curves_in_place(const Deck& deck, const Problem& problem) {
-    return (problem.mesh().degree > 1 || deck.local_repair == LocalRepair::yes) && deck.distortion.delta == 0 &&
-           deck.frames.empty() && (deck.start != Start::file || problem.standing) &&
-           !is_improved(deck.ideal) && (!problem.is_own_ideal || deck.local_repair == LocalRepair::yes) &&
-           deck.split == Split::never && deck.method.moving == MovingMethod::augmented_lagrangian &&
-           (deck.surface == SurfaceKind::automatic || deck.surface == SurfaceKind::straighten) &&
+bool curves_in_place(const ProblemOptions& options, const Problem& problem) {
+    return (problem.mesh().degree > 1 || options.local_repair == LocalRepair::yes) && options.distortion.delta == 0 &&
+           !options.in_time && (options.start != Start::file || problem.standing) && !is_improved(options.ideal) &&
+           (!problem.is_own_ideal || options.local_repair == LocalRepair::yes) && options.split == Split::never &&
+           options.method.moving == MovingMethod::augmented_lagrangian &&
+           (options.surface == SurfaceKind::automatic || options.surface == SurfaceKind::straighten) &&
            std::all_of(problem.motions.begin(), problem.motions.end(), is_fixed);
 }
 
-void read_motions(const Deck& deck, Problem& problem) {
-    problem.motions = motions_of(deck, problem.base);
-    problem.shared = {deck.shared_nodes, {}};
+void read_motions(const ProblemSetup& setup, Problem& problem) {
+    problem.motions = motions_of(setup, problem.base);
+    problem.shared = {setup.shared_nodes, {}};
     for (const std::string& name : problem.base.boundaries)
-        problem.shared.rank.push_back(static_cast<int>(motion_for(deck, name) - deck.boundaries.data()));
+        problem.shared.rank.push_back(static_cast<int>(motion_for(setup, name) - setup.boundaries.data()));
     NodeTargets targets = read_node_targets(problem.base, problem.motions);
     problem.raised = std::move(targets.raised);
     problem.placed = problem.level_placed = std::move(targets.placed);
 }
 
-// The mesh as the method sees it, and where its boundary is to go.
-void discretise(const Deck& deck, Problem& problem) {
-    check_split(deck, problem.base);
-    check_quadrature(deck, problem.base, std::max(deck.degree, problem.base.degree));
-    const int degree = deck.degree ? deck.degree : problem.base.degree;
-    check_memory(problem.base, degree, deck.refine, deck.linear, available_memory());
-    read_motions(deck, problem);
-    problem.level = discretise(problem, deck.refine, degree, problem.level_placed, problem.target);
-    if (problem.is_own_ideal) check_curved_ideal(deck, problem.base, problem.mesh());
-    problem.node_target = problem.target.node;
-    for (const std::string& note :
-         {curved_su2(deck, problem.mesh()), left_out_sections(deck, problem.base, problem.mesh())})
-        if (!note.empty()) problem.notes.push_back(note);
-    check_final_ids(deck, problem.mesh());
+// With fewer points than |F|^2 needs, the energy does not see some motions of the nodes inside an element.
+void check_quadrature(int exactness, const Mesh& mesh, int degree) {
+    const int least = mesh.is_simplicial() ? 2 * (degree - 1) : 2 * degree;
+    if (exactness != 0 && exactness < least)
+        throw SettingError("quadrature", "quadrature = ", exactness, " is too low for elements of degree ", degree,
+                           ": take at least ", least, ", or 0");
 }
 
-void set_frame(const Deck& deck, Problem& problem) {
-    problem.frame.origin = local_origin(problem.base);
-    problem.frame.length = unit_of_length(deck, volume(problem.mesh(), problem.ideal()), problem.mesh().dim);
+// A mesh that is its own ideal mesh has no coarser one, and one of lower degree has another shape.
+void check_curved_ideal(const ProblemOptions& options, const Mesh& in_file, const Mesh& of_run) {
+    if (options.start == Start::coarse)
+        throw SettingError("start", "start = coarse needs a straight-sided ideal mesh; with ideal = given take start = "
+                           "identity");
+    if (of_run.degree < in_file.degree && !certify(of_run, of_run.x).valid)
+        throw SettingError("degree", "in degree ", of_run.degree, " the curved mesh, which is the ideal mesh with "
+                           "ideal = given, is not valid: take degree = ", in_file.degree);
+}
+
+// The mesh as the method sees it, and where its boundary is to go.
+void discretise(const ProblemSetup& setup, Problem& problem) {
+    check_split(setup, problem.base);
+    const int degree = setup.degree ? setup.degree : problem.base.degree;
+    check_quadrature(setup.distortion.exactness, problem.base, std::max(degree, problem.base.degree));
+    check_memory(problem.base, degree, setup.refine, setup.linear, available_memory());
+    read_motions(setup, problem);
+    problem.level = discretise(problem, setup.refine, degree, problem.level_placed, problem.target);
+    if (problem.is_own_ideal) check_curved_ideal(setup, problem.base, problem.mesh());
+    problem.node_target = problem.target.node;
 }
 
 // Along what nodes slide; null where none does.
-std::shared_ptr<SlidingSurfaces> make_surfaces(const Deck& deck, Problem& problem) {
+std::shared_ptr<SlidingSurfaces> make_surfaces(const ProblemSetup& setup, Problem& problem) {
     BoundaryTarget& target = problem.target;
     if (target.prescribes_all()) return nullptr;
     const auto is_free = [](const Motion& motion) { return kind_of(motion) == NodeKind::free; };
     if (std::all_of(problem.motions.begin(), problem.motions.end(), is_free))
-        throw UsageError(deck.path, ": all boundaries are free: give at least one of them a motion");
-    const std::vector<OtherSurface> other = read_other_surfaces(deck, problem.base, problem.notes);
-    const auto sliding = surfaces_at(1, deck, problem, problem.mesh(), target, problem.motions, other);
-    if (sliding) note_surfaces(deck, problem.mesh(), *sliding, problem.notes);
+        throw SettingError("", "all boundaries are free: give at least one of them a motion");
+    const std::vector<OtherSurface> other = read_other_surfaces(setup, problem.base, problem.notes);
+    const auto sliding = surfaces_at(1, setup, problem, problem.mesh(), target, problem.motions, other);
+    if (sliding) note_surfaces(*sliding, problem);
     return sliding;
 }
 
@@ -291,26 +270,13 @@ void set_functional(const ProblemOptions& options, const Problem& problem, const
 
 }  // namespace
 
-Problem make_problem(const Deck& deck) {
-    check_keys(deck);
-    std::string mesh_hash;
-    std::vector<std::string> notes;
-    BaseMesh base = read_base_mesh(deck, mesh_hash, notes);
-    if (base.is_own_ideal && deck.ideal == IdealKind::automatic)
-        notes.push_back("the straight-sided form of the mesh folds over itself: the curved mesh of the file is the "
-                        "ideal mesh (ideal = given)");
-    assign_boundaries(deck, base.mesh, notes);
-    Problem problem = make_problem(deck, std::move(base), mesh_hash, std::move(notes));
-    if (is_improved(deck.ideal)) {
-        set_ideal_elements(deck, problem);
-        hold_surface(deck, problem);
-    }
-    if (deck.start == Start::file)
-        problem.start = read_positions(deck, "start", deck.start_file, problem.mesh(), problem.frame);
-    return problem;
+void check_split(const ProblemOptions& options, const Mesh& mesh) {
+    if (options.split != Split::never && !mesh.is_simplicial())
+        throw SettingError("split", "split divides triangles and tetrahedra, but the mesh has ", mesh.elements_text(),
+                           ": leave it out");
 }
 
-void move_target(const Deck& deck, Problem& problem) {
+void move_target(const ProblemSetup& setup, Problem& problem) {
     std::vector<double> ideal;  // in the file's frame, as file_x is
     const auto swap_frames = [&](Problem* of) {
         of->level->mesh.x.swap(of->file_x);
@@ -319,50 +285,53 @@ void move_target(const Deck& deck, Problem& problem) {
     };
     swap_frames(&problem);
     const std::unique_ptr<Problem, decltype(swap_frames)&> swap_back(&problem, swap_frames);
-    read_motions(deck, problem);
+    read_motions(setup, problem);
     problem.target = target_on(problem, *problem.level, problem.level_placed);
     problem.node_target = problem.target.node;
-    free_infeasible(deck, problem);
-    const std::shared_ptr<SlidingSurfaces> sliding = make_surfaces(deck, problem);
+    free_infeasible(setup, problem);
+    const std::shared_ptr<SlidingSurfaces> sliding = make_surfaces(setup, problem);
     finish(problem.mesh(), problem.frame, sliding.get(), problem.target);
     problem.sliding = sliding;
 }
 
-Problem make_problem(const Deck& deck, BaseMesh base, const std::string& mesh_hash, std::vector<std::string> notes) {
+Problem begin_problem(const ProblemSetup& setup, BaseMesh base, std::vector<std::string> notes) {
     Problem problem;
     problem.base = std::move(base.mesh);
+    problem.name = std::move(base.name);
     problem.is_own_ideal = base.is_own_ideal;
-    problem.mesh_hash = mesh_hash;
     problem.notes = std::move(notes);
-    std::vector<std::string> before = problem.notes;
-    discretise(deck, problem);
-    while (const int count = split_infeasible(deck, problem, before)) {
+    discretise(setup, problem);
+    while (const int count = split_infeasible(setup, problem)) {
         problem.split_elements += count;
-        problem.notes = before;
-        discretise(deck, problem);
+        discretise(setup, problem);
     }
-    problem.way = way_of(deck, problem);
-    if (deck.start == Start::file && deck.frames.empty()) problem.standing = read_standing(deck, problem);
-    if (deck.start == Start::file && !problem.standing && deck.local_repair == LocalRepair::yes)
-        throw UsageError(deck.given.at("start"), ": start = FILE does not go with local_repair = 1, but for so-far.msh ",
-                         "of the same run");
-    problem.curves_in_place = curves_in_place(deck, problem);
+    return problem;
+}
+
+void complete(const ProblemSetup& setup, Problem& problem) {
+    if (setup.start == Start::file && !problem.standing && setup.local_repair == LocalRepair::yes)
+        throw SettingError("start", "start = FILE does not go with local_repair = 1, but for so-far.msh of the same "
+                           "run");
+    problem.curves_in_place = curves_in_place(setup, problem);
     if (!problem.curves_in_place) {
-        if (deck.surface == SurfaceKind::straighten)
-            throw UsageError(deck.given.at("surface"), ": surface = straighten is for a curved mesh that is made valid "
-                             "where it is, with all boundaries fixed: else surface is auto, slide or keep");
-        free_infeasible(deck, problem);
+        if (setup.surface == SurfaceKind::straighten)
+            throw SettingError("surface", "surface = straighten is for a curved mesh that is made valid where it is, "
+                               "with all boundaries fixed: else surface is auto, slide or keep");
+        free_infeasible(setup, problem);
     }
-    set_frame(deck, problem);
-    const std::shared_ptr<SlidingSurfaces> sliding = make_surfaces(deck, problem);
-    if (problem.curves_in_place || is_improved(deck.ideal) || !deck.frames.empty()) problem.file_x = problem.mesh().x;
-    finish(problem.mesh(), problem.frame, sliding.get(), problem.target);
+    const Mesh& mesh = problem.mesh();
+    problem.frame.origin = local_origin(problem.base);
+    problem.frame.length = unit_of_length(setup, problem.name, volume(mesh, problem.ideal()), mesh.dim);
+    const std::shared_ptr<SlidingSurfaces> sliding = make_surfaces(setup, problem);
+    if (problem.curves_in_place || is_improved(setup.ideal) || setup.in_time) problem.file_x = mesh.x;
+    finish(mesh, problem.frame, sliding.get(), problem.target);
     problem.sliding = sliding;
     take_to_run(problem.frame, *problem.level);
-    if (const std::string loss = vtk_loss(problem.mesh().groups, problem.mesh().degree);
-        deck.vtk != VtkOutput::none && !loss.empty())
-        problem.notes.push_back(loss);
-    identify(deck, problem);
+}
+
+Problem make_problem(const ProblemSetup& setup, BaseMesh base, std::vector<std::string> notes) {
+    Problem problem = begin_problem(setup, std::move(base), std::move(notes));
+    complete(setup, problem);
     return problem;
 }
 

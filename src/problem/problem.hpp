@@ -1,13 +1,11 @@
-// From the deck to the problem to be solved: the mesh, its target, and both in the run's frame.
+// The problem to be solved: the mesh, its target, and both in the run's frame.
 #pragma once
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "problem/base_mesh.hpp"
-#include "deck/deck.hpp"
+#include "problem/boundaries.hpp"
 #include "base/frame.hpp"
 #include "constraint/sliding.hpp"
 #include "constraint/target.hpp"
@@ -15,8 +13,11 @@
 
 namespace almesh {
 
+struct BaseMesh;
+
 struct Problem {
-    Mesh base;                     // as read, with the boundaries of the deck
+    Mesh base;                     // as read, with the boundaries of the setup
+    std::string name;              // of its file, for errors
     bool is_own_ideal = false;     // it is curved, and itself the ideal mesh
     std::vector<Motion> motions;   // of its boundaries
     SharedNodes shared;            // and what they do with nodes that they share
@@ -28,16 +29,14 @@ struct Problem {
     bool curves_in_place = false;     // it is curved, and its boundary is to stay where the file has it (curving.hpp)
     std::vector<double> file_x;       // curved in place, improved, frames: mesh().x in units of the file, nodes x dim
     std::vector<double> start;        // start = FILE: the first iterate, in the run's frame,
-    std::optional<Standing> standing;  // and where its run stood, of which it is a mesh so far (so_far.hpp)
-    std::string way;                   // of the run
+    std::optional<Standing> standing;  // and where its run stood, of which it is a mesh so far,
+    std::string way;                   // on this way (deck/so_far.hpp)
     std::vector<double> regular;      // DistortionParams::regular, in the run's frame
     std::vector<std::string> infeasible;  // improved: per element why it need not be valid, or ""; empty: all have to
     PlacedNodes placed, level_placed;  // by files, of the shape's nodes and of the level's, in units of the file
     std::shared_ptr<const SlidingSurfaces> sliding;  // null where no boundary slides
     Frame frame;                   // of the run, by the mesh file
-    std::string mesh_hash;         // FNV-1a of the file, to tell which mesh a result came from
-    // In all files of the run: a hash of the settings and the files, so that the same run again has the same.
-    std::string run_id;
+    std::string mesh_hash, run_id;  // of a run of a deck (deck/make_problem.hpp)
     std::vector<std::string> notes;
 
     const Mesh& shape() const { return raised ? *raised : base; }
@@ -49,25 +48,18 @@ struct Problem {
 // Per face: whether it was made flatter than the file has it, of a mesh that is curved in place.
 std::vector<char> straight_faces(const Problem& problem);
 
-// Of the settings, wherever the results go, on however many threads, and in however many pieces, and of the files that
-// the deck names; those of frames are read when their time comes. known: of files by their paths; "" or no row: not
-// yet.
-using FileHashes = std::map<std::string, std::string>;
-std::string run_id(Deck deck, FileHashes& known);
+// Throws SettingError, UsageError or InputError for everything that can be wrong before solving, target faces that are
+// invalid themselves included. base: with the boundaries of the setup. The level has no energy and no constraint yet.
+// In two steps: mesh and target, in the file's frame; then, with the standing of a run that goes on, all else.
+Problem make_problem(const ProblemSetup& setup, BaseMesh base, std::vector<std::string> notes = {});
+Problem begin_problem(const ProblemSetup& setup, BaseMesh base, std::vector<std::string> notes);
+void complete(const ProblemSetup& setup, Problem& problem);
 
-// Throws UsageError or InputError for everything that can be wrong before solving, target faces that are invalid
-// themselves included. The level has no energy and no constraint yet.
-Problem make_problem(const Deck& deck);
+// Throws SettingError where elements are to be split and are no simplices.
+void check_split(const ProblemOptions& options, const Mesh& mesh);
 
-// The same on a mesh in memory. mesh_hash: of the file that it comes from.
-Problem make_problem(const Deck& deck, BaseMesh base, const std::string& mesh_hash,
-                     std::vector<std::string> notes = {});
-
-// Gives the problem the target of the deck's motions as they are now, at another time; all else stays.
-void move_target(const Deck& deck, Problem& problem);
-
-// The run's id, and in the comment of meshes that are written, is that of this deck.
-void identify(const Deck& deck, Problem& problem);
+// Gives the problem the target of the motions as they are now, at another time; all else stays.
+void move_target(const ProblemSetup& setup, Problem& problem);
 
 // The base mesh, refined and of another degree, its ideal mesh and its target, in the file's frame. placed: of the
 // shape, on return of this mesh.

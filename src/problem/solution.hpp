@@ -1,5 +1,6 @@
 // What a problem's solution has come to.
 #pragma once
+#include <cmath>
 #include <functional>
 #include <vector>
 
@@ -23,6 +24,23 @@ struct RunTimes : Timings {
     double certify = 0;  // certificate, largest distance from the target
     double write = 0;    // files of results, but for history.csv, summary.txt, expectations.csv
     double run = 0;      // the whole
+};
+
+// From the run's unit of length (Problem::frame) to that of the mesh file. The distortion eta has no unit, so that an
+// energy is a volume; the product (1, 1) = |1|^2 of constraint/dirichlet.hpp has the unit length^(dim - 2).
+struct Units {
+    int dim;
+    double length;  // of the run, in units of the mesh file
+
+    double distance(double value) const { return value * length; }
+    double energy(double value) const { return value * std::pow(length, dim); }
+    double gradient(double value) const { return energy(value) / length; }            // of the energy
+    double penalty(double value) const { return energy(value) / (length * length); }  // mu
+    // At a point: lambda, and c = (phi - g_D) / |1|.
+    double multiplier(double value) const { return value * std::pow(length, 0.5 * dim); }
+    double constraint(double value) const { return value * std::pow(length, 2 - 0.5 * dim); }
+    AlIteration of(AlIteration row) const;
+    NewtonStep of(NewtonStep step) const;
 };
 
 // What a run has found, in the run's frame (Problem::frame).

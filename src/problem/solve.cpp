@@ -1,6 +1,7 @@
 #include "problem/solve.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/index.hpp"
 #include "check/boundary_distance.hpp"
@@ -10,7 +11,8 @@
 #include "method/p_norm.hpp"
 #include "method/polish.hpp"
 #include "problem/curving.hpp"
-#include "problem/so_far.hpp"
+#include "problem/improve.hpp"
+#include "problem/memory.hpp"
 
 namespace almesh {
 namespace {
@@ -207,6 +209,11 @@ Solution solve(const ProblemOptions& options, const Problem& problem, const Solv
         if (observer.stage) observer.stage(stage);
         solution.coarse_newton_iterations += stage.newton_iterations;
     };
+    const StageObserver add_part = [&](const Stage& stage) {
+        if (observer.stage) observer.stage(stage);
+        if (stage.status == Status::converged && stage.fraction < 1)
+            solution.reached = std::max(solution.reached, stage.fraction);
+    };
     MethodParams params = {options.method, options.linear, options.forcing, continuation_of(options)};
     params.goes_on = goes_on;
     if (so_far) {
@@ -237,14 +244,41 @@ Solution solve(const ProblemOptions& options, const Problem& problem, const Solv
     Newton newton(level.energy->hessian_pattern(), options.linear, {.forcing = options.forcing});
     if (observer.begins) observer.begins(newton, solution.x);
     solution.time.setup = watch.seconds() - solution.time.coarse;
-    solution.al = minimise_objective(options, level, newton, params, solution.x, start, observe_al,
-                                     observer.stage);
+    solution.al = minimise_objective(options, level, newton, params, solution.x, start, observe_al, add_part);
     solution.time += newton.time;
     if (so_far && solution.al.status == Status::interrupted) so_far->write(level, solution.x);
     if (solution.al.status == Status::linear_solver_failed)
         solution.refused_bytes = newton.linear_solver().refused_bytes();
     if (solution.al.status == Status::converged) place_inside_volumes(problem, solution.x);
     snap(options, problem, solution);
+    return solution;
+}
+
+Solution solve_as_needed(const ProblemSetup& setup, Problem& problem, const WholeObserver& observer, MeshSoFar& so_far,
+                         std::FILE* out) {
+    const Stopwatch watch;
+    const bool improves = is_improved(setup.ideal);
+    bool goes_on = problem.standing && !improves;
+    if (goes_on) *so_far.standing = *problem.standing;
+    goes_on = goes_on && problem.standing->attempt < 0;  // the first solution, which is of the whole mesh
+    int newton_steps = 0;  // of all solutions, parts and attempts, whatever became of them
+    const Solve solve_one = [&](const ProblemOptions& options, const Problem& of) {
+        const bool is_kept = so_far.standing->attempt < 0 && &of == &problem;
+        MeshSoFar* const kept = is_kept ? &so_far : nullptr;
+        Solution found = solve(options, of, observer.solution(of, kept), kept, std::exchange(goes_on, false));
+        newton_steps += found.newton_steps();
+        return found;
+    };
+    const StageObserver add_part = [&](const Stage& part) {
+        observer.part(part);
+        newton_steps += part.newton_iterations;
+    };
+    Solution solution = problem.curves_in_place ? curve_in_place(setup, problem, solve_one, add_part, so_far, out)
+                        : improves              ? improve(setup, problem, solve_one, newton_steps, out)
+                                                : solve_one(setup, problem);
+    solution.al.earlier_newton_iterations += newton_steps - solution.newton_steps();
+    if (problem.curves_in_place || improves) solution.time.total = watch.seconds();
+    solution.predicted_bytes = predicted_bytes(problem.mesh(), setup.linear);
     return solution;
 }
 

@@ -1,12 +1,28 @@
 // The problem solved, its result examined: the steps of a run.
 #pragma once
+#include <cstdio>
+#include <functional>
+#include <memory>
+
 #include "method/continuation.hpp"
 #include "problem/problem.hpp"
 #include "problem/solution.hpp"
 
 namespace almesh {
 
-class MeshSoFar;
+// The mesh so far, from which a run can go on: kept by whoever starts the run (deck/so_far.hpp).
+class MeshSoFar {
+public:
+    virtual ~MeshSoFar() = default;
+
+    std::shared_ptr<Standing> standing = std::make_shared<Standing>();
+
+    // x: an iterate on the level, which is that of the problem or a coarser one. Written when it is due.
+    virtual void keep(const Level& level, const std::vector<double>& x) = 0;
+    // Or the mesh where its increment or power began; but for the mesh that the run starts from anyway, and one that is
+    // not certified valid.
+    virtual void write(const Level& level, const std::vector<double>& x) = 0;
+};
 
 struct SolveObserver : AlObserver {
     StageObserver stage = {};
@@ -17,6 +33,17 @@ struct SolveObserver : AlObserver {
 // goes_on: the problem's start is where its run stood.
 Solution solve(const ProblemOptions& options, const Problem& problem, const SolveObserver& observer = {},
                MeshSoFar* so_far = nullptr, bool goes_on = false);
+
+// The problem solved the way that it needs: curved in place (curving.hpp), improved (improve.hpp), or as by solve().
+struct WholeObserver {
+    // Of one of the solutions, of this problem or of one that is made of it; so_far: null where it is not kept.
+    std::function<SolveObserver(const Problem& of, MeshSoFar* so_far)> solution;
+    StageObserver part;  // of a mesh that is curved in place
+};
+
+// Where the problem has a standing, the run goes on from there. Notes go to `out`.
+Solution solve_as_needed(const ProblemSetup& setup, Problem& problem, const WholeObserver& observer, MeshSoFar& so_far,
+                         std::FILE* out);
 
 // Sets the nodes inside elements of volumes that follow a motion to where it takes them, like those on their sides,
 // which the constraint has brought there; they stay where an element would not be valid. x: a valid mesh, in the run's

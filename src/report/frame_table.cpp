@@ -1,6 +1,7 @@
 #include "report/frame_table.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <filesystem>
 
 #include "deck/deck.hpp"
@@ -8,6 +9,7 @@
 #include "report/results.hpp"
 #include "base/files.hpp"
 #include "base/table.hpp"
+#include "base/version.hpp"
 #include "method/status.hpp"
 
 namespace almesh {
@@ -42,6 +44,13 @@ FrameRow row_of(std::string_view line) {
     row.code = static_cast<ExitCode>(*code);
     row.path = cell[path];
     return row;
+}
+
+std::string state_of(const Deck& deck) { return concat(deck.output, "/", frames_state); }
+
+// What the file begins with, before the number of the frame.
+std::string begin_of_state(const Problem& problem) {
+    return concat("almesh frames, ", version(), " ", commit(), ", run ", problem.run_id, ", frame ");
 }
 
 }  // namespace
@@ -123,6 +132,35 @@ ExitCode FrameTable::code() const {
 int FrameTable::count(const std::string& path) const {
     const auto is_so = [&](const Entry& frame) { return frame.row.path == path; };
     return static_cast<int>(std::count_if(frames_.begin(), frames_.end(), is_so));
+}
+
+void save_state(const Deck& deck, const Problem& problem, const FramesBefore& before, int number) {
+    std::string state = concat(begin_of_state(problem), number, "\n");
+    for (std::size_t k = std::max<std::size_t>(before.moments.size(), 2) - 2; k < before.moments.size(); ++k) {
+        const auto& [t, x, motions] = before.moments[k];
+        state.append(reinterpret_cast<const char*>(&t), sizeof t);
+        state.append(reinterpret_cast<const char*>(x.data()), x.size() * sizeof(double));
+    }
+    write_file(state_of(deck), state);
+}
+
+int read_state(const Deck& deck, const Problem& problem, FramesBefore& before) {
+    std::error_code error;
+    if (!std::filesystem::exists(state_of(deck), error)) return 0;
+    const std::string text = read_file(state_of(deck)), first = text.substr(0, text.find('\n'));
+    std::string_view bytes = std::string_view(text).substr(std::min(text.size(), first.size() + 1));
+    const std::size_t of_mesh = (problem.mesh().x.size() + 1) * sizeof(double);
+    const auto number = parse_int(first.substr(first.rfind(' ') + 1), 1);
+    if (!first.starts_with(begin_of_state(problem)) || !number || (bytes.size() != of_mesh && bytes.size() != 2 * of_mesh))
+        throw UsageError("cannot resume: ", state_of(deck), " is of another run or program; without resume=1 this run ",
+                         "starts from the beginning and removes it");
+    for (; !bytes.empty(); bytes.remove_prefix(of_mesh)) {
+        auto& [t, x, motions] = before.moments.emplace_back();
+        x.resize(problem.mesh().x.size());
+        std::memcpy(&t, bytes.data(), sizeof t);
+        std::memcpy(x.data(), bytes.data() + sizeof t, of_mesh - sizeof t);
+    }
+    return *number;
 }
 
 }  // namespace almesh

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "problem/frame_solver.hpp"
 
 namespace almesh {
 
@@ -68,5 +69,15 @@ private:
     bool place(const FrameRow& row, const std::string& line);
     void write();
 };
+
+// What a run goes on from, in the folder of results until it has ended: the number of the last frame and the meshes that
+// the next one may start from, to the last bit.
+inline constexpr const char* frames_state = "frames.state";
+
+void save_state(const Deck& deck, const Problem& problem, const FramesBefore& before, int number);
+
+// Without their motions. Returns the number of the last frame, 0 where there is no state. Throws UsageError where it is
+// of another run.
+int read_state(const Deck& deck, const Problem& problem, FramesBefore& before);
 
 }  // namespace almesh

@@ -155,23 +155,6 @@ const TextTable shown({{"AL", 3}, {"|c_D|", 9}, {"|grad E|", 9}, {"q", 8}, {"max
 
 }  // namespace
 
-AlIteration Units::of(AlIteration row) const {
-    row.constraint_norm = distance(row.constraint_norm);
-    row.projected_constraint_norm = distance(row.projected_constraint_norm);
-    row.energy = energy(row.energy);
-    row.gradient_norm = gradient(row.gradient_norm);
-    row.mu = penalty(row.mu);
-    row.omega = gradient(row.omega);
-    row.epsilon = distance(distance(row.epsilon));  // of a squared norm
-    return row;
-}
-
-NewtonStep Units::of(NewtonStep step) const {
-    step.energy = energy(step.energy);
-    step.gradient_norm = gradient(step.gradient_norm);
-    return step;
-}
-
 IterationTable::IterationTable(std::FILE* out, const Units& units, const std::string& run)
     : out_(out), is_terminal_(isatty(fileno(out)) != 0), units_(units), run_(run) {
     print(out_, shown.heading());
@@ -181,7 +164,6 @@ void IterationTable::add(const Stage& stage) {
     AlIteration row = units_.of(stage.last);
     row.newton_iterations = stage.newton_iterations;
     rows_ += line(AlRow{row, &stage, run_});
-    if (stage.status == Status::converged && stage.fraction < 1) reached = std::max(reached, stage.fraction);
     const char* const used = stage.status == Status::converged ? "" : ", not used";
     std::string what = "  ";
     if (!stage.part.empty()) what += stage.part;
@@ -199,7 +181,6 @@ void IterationTable::add(const AlIteration& it) {
 
 void IterationTable::add(int al_iteration, const NewtonStep& it) {
     const NewtonStep step = units_.of(it);
-    ++newton_steps;
     fallbacks += step.fallback.has_value();
     rows_ += line([row = NewtonRow{al_iteration, step, run_}](const Column& column) {
         return column.of_newton ? column.of_newton(row) : std::string();
@@ -209,6 +190,14 @@ void IterationTable::add(int al_iteration, const NewtonStep& it) {
           scientific(step.gradient_norm, 2), "  step ", to_text(step.step_length, 2), "  (", to_string(step.hessian),
           ")");
     std::fflush(out_);
+}
+
+SolveObserver IterationTable::observer() {
+    SolveObserver observer;
+    observer.iteration = [this](const AlIteration& row) { add(row); };
+    observer.newton_step = [this](int al_iteration, const NewtonStep& step) { add(al_iteration, step); };
+    observer.stage = [this](const Stage& stage) { add(stage); };
+    return observer;
 }
 
 void IterationTable::show(const AlIteration& row, const char* update, const std::string& note) {

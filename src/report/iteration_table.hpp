@@ -7,35 +7,14 @@
 // `coarse`: its last iteration, all its Newton steps). Columns that a kind does not have are empty. Name, meaning and
 // cells of every column: one table in iteration_table.cpp. Numbers with all digits.
 #pragma once
-#include <cmath>
 #include <cstdio>
 #include <string>
 #include <vector>
 
 #include "base/text.hpp"
+#include "problem/solve.hpp"
 
 namespace almesh {
-
-struct AlIteration;
-struct Stage;
-struct NewtonStep;
-
-// From the run's unit of length (Problem::frame) to that of the mesh file. The distortion eta has no unit, so that an
-// energy is a volume; the product (1, 1) = |1|^2 of constraint/dirichlet.hpp has the unit length^(dim - 2).
-struct Units {
-    int dim;
-    double length;  // of the run, in units of the mesh file
-
-    double distance(double value) const { return value * length; }
-    double energy(double value) const { return value * std::pow(length, dim); }
-    double gradient(double value) const { return energy(value) / length; }            // of the energy
-    double penalty(double value) const { return energy(value) / (length * length); }  // mu
-    // At a point: lambda, and c = (phi - g_D) / |1|.
-    double multiplier(double value) const { return value * std::pow(length, 0.5 * dim); }
-    double constraint(double value) const { return value * std::pow(length, 2 - 0.5 * dim); }
-    AlIteration of(AlIteration row) const;
-    NewtonStep of(NewtonStep step) const;
-};
 
 std::string history_heading();
 std::vector<Named> history_columns();  // for the list of keys
@@ -49,11 +28,11 @@ public:
     void add(const AlIteration& row);
     void add(int al_iteration, const NewtonStep& step);
 
+    SolveObserver observer();  // which adds what it is told of; the table must outlive it
+
     const std::string& rows() const { return rows_; }  // of history.csv
     std::string csv() const { return history_heading() + rows_; }
-    int newton_steps = 0;  // added so far: rows of kind `newton`
     int fallbacks = 0;     // those in which an iterative solver failed and Cholesky took over
-    double reached = 0;   // the largest part of the motion, less than all of it, that converged
 
 private:
     std::FILE* out_;

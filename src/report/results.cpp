@@ -5,13 +5,14 @@
 #include <filesystem>
 
 #include "base/version.hpp"
-#include "deck/deck.hpp"
-#include "problem/problem.hpp"
+#include "deck/deck_checks.hpp"
+#include "deck/make_problem.hpp"
 #include "report/iteration_table.hpp"
 #include "base/files.hpp"
 #include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "base/text.hpp"
+#include "check/infeasible.hpp"
 #include "io/msh.hpp"
 #include "io/su2.hpp"
 #include "io/vtk.hpp"
@@ -177,52 +178,6 @@ void write_stop(const Deck& deck, const Problem& problem, const Solution& soluti
 
 }  // namespace
 
-std::string run_id(Deck deck, FileHashes& known) {
-    std::vector<std::string> files = {deck.mesh, deck.start_file, deck.ideal_file};
-    for (const DeckBoundary& boundary : deck.boundaries)
-        for (const MotionStep& step : boundary.motion.steps) files.push_back(step.file);
-    std::string hashes;
-    for (const std::string& file : files) {
-        std::error_code error;
-        std::string& hash = known[file];
-        if (hash.empty() && std::filesystem::is_regular_file(file, error)) hash = hash_of(read_file(file));
-        hashes += hash;
-    }
-    const Deck defaults;
-    deck.output = ".";
-    deck.threads = defaults.threads;
-    deck.max_seconds = defaults.max_seconds;
-    deck.resume = defaults.resume;
-    return hash_of(resolved(deck) + hashes);
-}
-
-void identify(const Deck& deck, Problem& problem) {
-    FileHashes known = {{deck.mesh, problem.mesh_hash}};
-    problem.run_id = run_id(deck, known);
-    problem.level->mesh.file.comment = concat(version(), ", run ", problem.run_id);
-}
-
-std::vector<FileFormat> final_formats(FinalFormat wanted, const Mesh& mesh) {
-    const FileFormat input = mesh.file.format, su2 = {FileFormat::Kind::su2};
-    const bool from_su2 = input.kind == FileFormat::Kind::su2;
-    const FileFormat msh = input.kind == FileFormat::Kind::msh ? input : FileFormat();
-    switch (wanted) {
-        case FinalFormat::input:
-            return {from_su2 ? su2 : msh};
-        case FinalFormat::msh:
-            return {msh};
-        case FinalFormat::su2:
-            return {su2};
-        case FinalFormat::both:
-            return {msh, su2};
-        default:
-            break;
-    }
-    const int place = static_cast<int>(wanted) - static_cast<int>(FinalFormat::msh22);
-    constexpr int versions[] = {22, 40, 41};
-    return {{FileFormat::Kind::msh, versions[place / 2], place % 2 == 1}};
-}
-
 void write_deck(const Deck& deck, const Problem& problem) {
     std::string text = concat("# ", version(), ", commit ", commit(), "\n# compiled by ", compiler(), "\n# threads ",
                               max_threads(), ", mesh hash ", problem.mesh_hash, ", run ", problem.run_id, "\n");
@@ -277,16 +232,6 @@ void write_summary(const Deck& deck, const Summary& summary) {
     for (const auto& [quantity, value] : summary) lines += quantity + " = " + value + "\n";
     write_file(deck.output + "/summary.txt", lines);
     write_file(deck.output + "/expectations.csv", expectations_csv(deck.expectations, summary));
-}
-
-std::string write_invalid(const InvalidElements& list, const std::string& folder) {
-    constexpr int shown = 10;
-    if (list.count <= shown) return "";
-    if (folder.empty()) return "\n  ... (output=FOLDER lists all in FOLDER/invalid.csv)";
-    std::error_code failed;  // of which the next line tells
-    std::filesystem::create_directories(folder, failed);
-    write_file(folder + "/invalid.csv", list.csv);
-    return concat("\n  all ", list.count, " are listed in ", folder, "/invalid.csv");
 }
 
 void print_uncertified(std::FILE* out, const Mesh& mesh, const std::vector<double>& x, const Certificate& certificate,

@@ -6,17 +6,14 @@
 #include <utility>
 #include <vector>
 
-#include "check/infeasible.hpp"
-#include "mesh/file_tags.hpp"
 #include "problem/solution.hpp"
-#include "report/summary.hpp"
+#include "problem/summary.hpp"
 
 namespace almesh {
 
 struct Deck;
 struct Problem;
 struct VtkArray;
-enum class FinalFormat;
 
 void write_deck(const Deck& deck, const Problem& problem);     // deck.txt
 void write_initial(const Deck& deck, const Problem& problem);  // initial.vtk
@@ -35,9 +32,6 @@ std::string frame_name(int number);  // frame-0001
 std::string write_frame(const Deck& deck, const Problem& problem, const Solution& solution, const std::string& name,
                         const std::vector<VtkArray>& point_data);
 
-// How the final mesh is written: final.msh, final.su2, or both.
-std::vector<FileFormat> final_formats(FinalFormat wanted, const Mesh& mesh);
-
 // The final mesh, final.vtk, boundary.vtk; moved-nodes.csv where there are any, stop.vtk where there is a diagnosis
 void write_results(const Deck& deck, const Problem& problem, const Solution& solution);
 void write_summary(const Deck& deck, const Summary& summary);  // summary.txt and expectations.csv
@@ -47,9 +41,5 @@ void write_summary(const Deck& deck, const Summary& summary);  // summary.txt an
 // units of the file.
 void print_uncertified(std::FILE* out, const Mesh& mesh, const std::vector<double>& x, const Certificate& certificate,
                        const std::string& folder, const std::vector<std::string>& why = {});
-
-// Where there are more than ten, writes them all to invalid.csv in the folder, which is made if it is missing; "": to
-// none. Returns a line that says so, else "".
-std::string write_invalid(const InvalidElements& list, const std::string& folder);
 
 }  // namespace almesh

@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "deck/deck.hpp"
-#include "problem/frame_state.hpp"
+#include "report/frame_table.hpp"
 #include "deck/frame_times.hpp"
-#include "problem/so_far.hpp"
+#include "deck/so_far.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
 
@@ -99,7 +99,7 @@ const std::string& checked_folder(const Deck& deck) {
     check_coupled_meshes(deck);
     check_is_not_result(deck.mesh, deck.given.contains("mesh") ? deck.given.at("mesh") : deck.path, deck);
     if (deck.start == Start::file) check_is_not_result(deck.start_file, deck.given.at("start"), deck);
-    for (const DeckBoundary& boundary : deck.boundaries)
+    for (const BoundaryMotion& boundary : deck.boundaries)
         for (const MotionStep& step : boundary.motion.steps)
             if (!step.file.empty()) check_is_not_result(step.file, boundary.where, deck);
     make_folder(deck.output);

@@ -1,5 +1,5 @@
 // Motions in time: a mesh per frame.
-#include "app/run/solve.hpp"
+#include "app/commands.hpp"
 
 #include <doctest/doctest.h>
 #include <sys/resource.h>

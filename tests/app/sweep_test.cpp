@@ -1,5 +1,5 @@
 // Many runs of one deck.
-#include "app/sweep/sweep.hpp"
+#include "app/commands.hpp"
 
 #include <doctest/doctest.h>
 

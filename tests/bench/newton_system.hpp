@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "problem/problem.hpp"
+#include "deck/make_problem.hpp"
 #include "method/functional.hpp"
 
 namespace almesh::bench {

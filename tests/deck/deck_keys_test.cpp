@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "base/error.hpp"
+#include "report/iteration_table.hpp"
 
 using namespace almesh;
 
@@ -109,7 +110,7 @@ TEST_CASE("numbers with garbage are refused with what is legal") {
 }
 
 TEST_CASE("the table of keys lists everything within 100 columns") {
-    const std::string table = keys_table();
+    const std::string table = keys_table(history_columns());
     for (const DeckKey& key : deck_keys()) {
         CHECK(has("\n" + table, "\n" + key.name + " "));
         CHECK(has(table, key.value.legal));

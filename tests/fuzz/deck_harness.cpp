@@ -7,12 +7,12 @@ namespace {
 // Where the motion takes some points does not matter here.
 void move_points(const Deck& deck, int dim) {
     try {
-        for (const DeckBoundary& line : deck.boundaries) check_dimension(line.motion, dim);
+        for (const BoundaryMotion& line : deck.boundaries) check_dimension(line.motion, dim);
     } catch (const UsageError&) {
         return;
     }
     for (const char* const name : {"inner", "outer", "a wall"})
-        if (const DeckBoundary* const boundary = motion_for(deck, name))
+        if (const BoundaryMotion* const boundary = motion_for(deck, name))
             for (const double fraction : {0.0, 0.5, 1.0}) {
                 double x[3] = {0.5, -1, 2};
                 apply(at_fraction(shortest(boundary->motion), fraction), dim, x);

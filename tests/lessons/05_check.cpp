@@ -3,7 +3,7 @@
 #include "lessons/exercise.hpp"
 #include "examples/linear_extension.hpp"
 #include "method/set_boundary.hpp"
-#include "problem/problem.hpp"
+#include "deck/make_problem.hpp"
 
 namespace almesh::lessons {
 namespace {

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "base/error.hpp"
+#include "deck/make_problem.hpp"
 #include "support/meshes.hpp"
 
 using namespace almesh;

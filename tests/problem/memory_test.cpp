@@ -5,6 +5,8 @@
 #include <memory>
 #include <string>
 
+#include "deck/deck.hpp"
+#include "problem/base_mesh.hpp"
 #include "problem/problem.hpp"
 #include "base/error.hpp"
 #include "base/parallel.hpp"
@@ -36,7 +38,7 @@ double arrays_over_prediction(const Mesh& base, int degree, const std::string& s
                                         "\nboundary all = rotate 10", base.dim == 3 ? " axis 0 0 1\n" : "\n"),
                                  "a.deck");
     const double before = allocated();
-    Problem problem = make_problem(deck, {base, false}, "");
+    Problem problem = make_problem(deck, {base});
     set_functional(deck, problem);
     Level& level = *problem.level;
     Newton newton(level.energy->hessian_pattern(), deck.linear, {});

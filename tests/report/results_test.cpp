@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "check/certificate.hpp"
-#include "report/summary.hpp"
+#include "problem/summary.hpp"
 #include "support/ring_deck.hpp"
 
 using namespace almesh;

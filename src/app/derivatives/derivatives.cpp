@@ -12,9 +12,8 @@
 #include <unordered_map>
 
 #include "app/commands.hpp"
-#include "deck/deck.hpp"
+#include "deck/make_problem.hpp"
 #include "problem/node_targets.hpp"
-#include "problem/problem.hpp"
 #include "report/results.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"

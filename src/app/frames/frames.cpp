@@ -7,21 +7,23 @@
 // Written after every frame: its mesh, what frame_table.hpp tells, and the state from which a run goes on.
 //
 // For k = 1, 2, ...: the motions at t_k, the target, the solution, its certificates, its files, the state.
-#include "app/run/solve.hpp"
-#include "problem/solve.hpp"
+#include "app/commands.hpp"
 
 #include <algorithm>
 #include <limits>
 #include <optional>
 
-#include "problem/boundaries.hpp"
 #include "app/frames/coupling.hpp"
 #include "deck/deck_checks.hpp"
+#include "deck/frame_times.hpp"
+#include "deck/make_problem.hpp"
 #include "problem/frame_solver.hpp"
 #include "report/frame_table.hpp"
-#include "deck/frame_times.hpp"
-#include "problem/mesh_velocity.hpp"
+#include "report/iteration_table.hpp"
+#include "report/mesh_velocity.hpp"
+#include "report/results.hpp"
 #include "report/results_folder.hpp"
+#include "report/terminal.hpp"
 #include "base/files.hpp"
 #include "base/interrupt.hpp"
 #include "base/parallel.hpp"
@@ -159,7 +161,10 @@ void FrameRun::solve(FrameRow& row, int halvings) {
     const Deck now = deck_at(deck_, row.t, row.number, files_);
     if (row.number > 1 || coupling_) move_target(now, problem_);
     tell_notes();
-    Solution solution = solver_.solve(now, before_, row);
+    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> nowhere(std::fopen("/dev/null", "w"), std::fclose);
+    IterationTable report(nowhere.get(), {problem_.mesh().dim, problem_.frame.length}, problem_.run_id);
+    Solution solution = solver_.solve(now, before_, row.t, row.started_from, report.observer());
+    row.history += report.rows();
     if (interrupted()) return;
     round_as_file(problem_, solution.x);
     row.path = path_to(solution, row.t);
@@ -179,7 +184,7 @@ void FrameRun::solve(FrameRow& row, int halvings) {
 
 // Whether there are motions at the time halfway, which lead from one frame to the other.
 bool FrameRun::may_halve(const FrameRow& row) const try {
-    for (const DeckBoundary& boundary : deck_.boundaries)
+    for (const BoundaryMotion& boundary : deck_.boundaries)
         for (const MotionStep& step : boundary.motion.steps)
             if (coupling_ || step.file.find('%') != std::string::npos) return false;
     const Moment& before = before_.moments.back();
@@ -259,7 +264,7 @@ void FrameRun::begin() {
         out_ = log_.get();
         identify(deck_, problem_);
     }
-    print_mesh(out_, deck_, problem_, 0);
+    print_mesh(out_, deck_, problem_);
     if (!folder_->is_kept()) write_deck(deck_, problem_);
     told_ = std::exchange(problem_.notes, {});
     print(out_, shown.heading());

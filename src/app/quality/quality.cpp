@@ -1,20 +1,14 @@
-#include "app/commands.hpp"
-#include "report/results.hpp"
-
+// What is told of a mesh file, as it is: `almesh info` and `almesh quality`.
 #include <algorithm>
 #include <unordered_map>
 
+#include "app/commands.hpp"
 #include "deck/deck.hpp"
-#include "report/quality_change.hpp"
+#include "report/mesh_description.hpp"
+#include "report/mesh_quality.hpp"
 #include "base/parallel.hpp"
 #include "base/table.hpp"
-#include "check/boundary_distance.hpp"
-#include "check/certificate.hpp"
-#include "check/infeasible.hpp"
-#include "check/injectivity.hpp"
-#include "check/quality.hpp"
 #include "io/mesh_format.hpp"
-#include "mesh/build.hpp"
 
 namespace almesh {
 namespace {
@@ -34,7 +28,7 @@ std::vector<std::vector<long long>> ids_of(const Mesh& mesh) {
 // Where another file has the nodes of the mesh: node_count x dim. One of a lower degree is raised.
 std::vector<double> positions_before(const std::string& path, const Mesh& mesh) {
     std::vector<std::string> notes;
-    Mesh other = build_mesh(read_mesh(path), notes, Folds::keep);
+    Mesh other = read_as_it_is(path, notes);
     if (other.degree < mesh.degree) other = raise_degree(other, mesh.degree);
     if (other.dim != mesh.dim || ids_of(other) != ids_of(mesh))
         throw InputError(path, ": this is not the same mesh as it was before: its elements or their nodes have other "
@@ -50,35 +44,24 @@ std::vector<double> positions_before(const std::string& path, const Mesh& mesh) 
 
 }  // namespace
 
+ExitCode info(const Deck& deck, std::FILE* out) {
+    set_threads(deck.threads);
+    std::vector<std::string> notes;
+    const Mesh mesh = read_as_it_is(deck.mesh, notes);
+    describe_mesh(out, deck, mesh, notes);
+    return ExitCode::success;
+}
+
 ExitCode quality(const Deck& deck, const std::string& before, std::FILE* out) {
     set_threads(deck.threads);
     std::vector<std::string> notes;
-    const Mesh mesh = build_mesh(read_mesh(deck.mesh), notes, Folds::keep);
+    const Mesh mesh = read_as_it_is(deck.mesh, notes);
     print(out, deck.mesh, ": ", mesh.nodes(), " nodes, ", mesh.elements_text(), " of degree ", mesh.degree, "\n");
     for (const std::string& note : notes) print(out, "note: ", note, "\n");
 
     const std::vector<double> came = before.empty() ? mesh.x : positions_before(before, mesh);
-    const QualityStatistics shape = mesh_quality(mesh, mesh.x);
-    print(out, "\nshape quality 1/eta against the regular ", mesh.is_simplicial() ? "simplex" : "cell", ": min ",
-          to_text(shape.min, 4), ", mean ", to_text(shape.mean, 4), "; edges ", to_text(shape.min_edge, 4), " to ",
-          to_text(shape.max_edge, 4), "\n", histogram_text(shape), "\nworst elements (id, centre, quality):",
-          list_invalid(mesh, shape.worst, mesh.x, shape.quality).first, "\n");
-
-    if (!before.empty()) {
-        const std::vector<BoundaryDistance> distances = boundary_distances(mesh, came, mesh.x);
-        if (distances.empty()) print(out, "\nall faces are where ", before, " has them\n");
-        else print(out, "\n", distance_table(mesh, distances, "those of " + before));
-        print(out, "\nbefore: ", before, "\n", quality_table(quality_change(mesh, came, mesh.x)));
-    }
-
-    const Certificate certificate = certify(mesh, mesh.x);
-    print(out, "\nscaled Jacobian >= ", rounded_down(certificate.min_scaled_jacobian, 6), " everywhere",
-          certificate.valid ? ": all elements certified valid\n" : "\n");
-    print_uncertified(out, mesh, mesh.x, certificate, deck.given.contains("output") ? deck.output : "");
-    const Injectivity injectivity = certify_injective(mesh, mesh.x, certificate);
-    if (injectivity.certified) print(out, "certified injective: no two elements overlap\n");
-    else if (certificate.valid) print(out, "NOT certified injective: ", overlap_text(mesh, injectivity), "\n");
-    return injectivity.certified ? ExitCode::success : ExitCode::not_certified;
+    const bool is_certified = print_quality(out, mesh, before, came, deck.given.contains("output") ? deck.output : "");
+    return is_certified ? ExitCode::success : ExitCode::not_certified;
 }
 
 }  // namespace almesh

@@ -1,6 +1,13 @@
+// Many runs of one deck: one for each combination of the values of its lines
+//
+//   sweep KEY = VALUES            # any key of the deck or `let` constant; the last line varies fastest
+//
+// VALUES: separated by commas, FROM : STEP : TO for all of a range. Each run is the one of `almesh DECK KEY=VALUE ...`,
+// to the last bit, in a folder of its own named by its values: outputs/circle/mu0=10,refine=1. A run that has come to
+// its end, whatever that was, leaves the file sweep.row there, and is not done again while deck, its files and program
+// are the same; runs that were killed have none. The runs of a sweep that is killed are killed with it.
+//
 // Every run is a process of its own: one that crashes or is killed takes none of the others with it.
-#include "app/sweep/sweep.hpp"
-
 #ifdef __linux__
 #include <sys/prctl.h>
 #endif
@@ -22,7 +29,7 @@
 #include "base/version.hpp"
 #include "deck/deck.hpp"
 #include "deck/frame_times.hpp"
-#include "problem/problem.hpp"
+#include "deck/make_problem.hpp"
 #include "report/results_folder.hpp"
 #include "base/files.hpp"
 #include "base/interrupt.hpp"

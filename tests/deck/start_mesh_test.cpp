@@ -1,5 +1,5 @@
 // start = FILE: the first iterate from another file than the ideal mesh.
-#include "problem/start_mesh.hpp"
+#include "deck/make_problem.hpp"
 
 #include <doctest/doctest.h>
 

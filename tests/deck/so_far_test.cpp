@@ -1,5 +1,5 @@
 // Runs that were stopped, killed or had no room to write, and go on with start = so-far.msh.
-#include "problem/so_far.hpp"
+#include "deck/so_far.hpp"
 
 #include <doctest/doctest.h>
 #include <sys/resource.h>

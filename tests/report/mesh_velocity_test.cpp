@@ -1,5 +1,5 @@
 // Velocities and swept volumes as a solver reads them.
-#include "problem/mesh_velocity.hpp"
+#include "report/mesh_velocity.hpp"
 
 #include <doctest/doctest.h>
 

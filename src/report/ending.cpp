@@ -1,16 +1,14 @@
 // How a run ended, for its user: whether it converged and what is certified, and of any other ending what held it up
 // (check/diagnosis.hpp), at which boundary, node and element, and what to try against that. Places and lengths are in
 // the unit of the mesh file, ids those of final.msh.
-#include "app/run/solve.hpp"
+#include "report/terminal.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 
 #include "deck/deck_checks.hpp"
-#include "problem/problem.hpp"
-#include "problem/so_far.hpp"
-#include "report/results.hpp"
+#include "deck/so_far.hpp"
 #include "base/files.hpp"
 #include "base/interrupt.hpp"
 #include "base/table.hpp"
@@ -19,13 +17,7 @@
 namespace almesh {
 namespace {
 
-std::string shown(double value, int digits = 4) {
-    std::string text;
-    append(text, value, digits);
-    return text;
-}
-
-bool is_certified(const Solution& solution) { return solution.injectivity.certified; }
+std::string shown(double value, int digits = 4) { return to_text(value, digits); }
 
 std::string headline(Status status) {
     const bool late = status == Status::interrupted && out_of_time();
@@ -202,22 +194,23 @@ std::string remedies(const Deck& deck, const Problem& problem, const Solution& s
     std::string to_try = against_cause(deck, problem, solution);
     if (problem.split_elements > 0 && deck.split == Split::automatic) to_try = "split = around; " + to_try;
     if (!problem.target.frees() || problem.curves_in_place || problem.mesh().degree > 1) return to_try;
-    return accepts(deck, problem.base, "split", "auto") ? to_try + "; split = auto, so that no nodes slide" : to_try;
+    const bool can_split = problem.base.is_simplicial() && accepts(deck, "split", "auto");
+    return can_split ? to_try + "; split = auto, so that no nodes slide" : to_try;
 }
 
 void print_diagnosis(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution) {
-    if (solution.al.status == Status::converged && is_certified(solution)) return;
+    if (solution.al.status == Status::converged && solution.injectivity.certified) return;
     const Diagnosis& at = solution.diagnosis;
     std::string text = description(problem, solution);
     if (!text.empty()) text += "\n";
     if (at.node >= 0)
         text += concat("the most distorted element at the node, ", problem.mesh().file.element_id[at.element], ", has ",
                        quality_of_element(solution, at.element), "\n");
-    std::fprintf(out, "%stry %s\n", text.c_str(), remedies(deck, problem, solution).c_str());
+    print(out, text, "try ", remedies(deck, problem, solution), "\n");
 }
 
 std::string judgement(const Problem& problem, const Solution& solution) {
-    if (const double overlap = solution.injectivity.overlap * problem.frame.length; is_certified(solution))
+    if (const double overlap = solution.injectivity.overlap * problem.frame.length; solution.injectivity.certified)
         return concat("certified valid and injective",
                       overlap > 0 ? ", but that boundaries in contact overlap by " + shown(overlap) : "");
     if (!solution.certificate.valid) return "NOT certified valid (" + counts_of(solution.certificate) + ")";
@@ -234,36 +227,29 @@ void print_boundary(std::FILE* out, const Deck& deck, const Problem& problem, co
     const bool is_fit =
         deck.target == TargetKind::least_squares && target.prescribes_all() && !target.in_trace_space;
     if (solution.nodes_off_target > 0)
-        std::fprintf(out,
-                     "|c_D| = %.3g; %s off their targets, by at most %.2g of a cell's height; "
-                     "largest boundary error %.3g\n",
-                     last.constraint_norm * problem.frame.length,
-                     counted(solution.nodes_off_target, "boundary node").c_str(),
-                     last.relative_boundary_error, error);
+        print(out, "|c_D| = ", shown(last.constraint_norm * problem.frame.length, 3), "; ",
+              counted(solution.nodes_off_target, "boundary node"), " off their targets, by at most ",
+              shown(last.relative_boundary_error, 2), " of a cell's height; largest boundary error ", shown(error, 3),
+              "\n");
     else if (solution.off_motion.nodes == 0)
-        std::fprintf(out, "every boundary node is where its motion takes it to the last bit%s; between the nodes the "
-                     "boundary is within %.3g of its motion\n",
-                     problem.sliding ? ", or on the surface along which it slides" : "", error);
+        print(out, "every boundary node is where its motion takes it to the last bit",
+              problem.sliding ? ", or on the surface along which it slides" : "",
+              "; between the nodes the boundary is within ", shown(error, 3), " of its motion\n");
     if (solution.off_motion.nodes > 0 && (is_fit || solution.nodes_off_target == 0))
-        std::fprintf(out, "%s%s off their motions by at most %.3g, %s\n",
-                     is_fit ? "target = least_squares fits the boundary to its motion in the mean: " : "",
-                     counted(solution.off_motion.nodes, "boundary node").c_str(), solution.off_motion.largest,
-                     is_fit ? concat("between the nodes by at most ", shown(error, 3)).c_str()
-                            : "all others where their motions take them to the last bit");
+        print(out, is_fit ? "target = least_squares fits the boundary to its motion in the mean: " : "",
+              counted(solution.off_motion.nodes, "boundary node"), " off their motions by at most ",
+              shown(solution.off_motion.largest, 3), ", ",
+              is_fit ? "between the nodes by at most " + shown(error, 3)
+                     : "all others where their motions take them to the last bit", "\n");
     if (solution.freed_nodes)
-        std::fprintf(out,
-                     "%d nodes slid along the surface, by at most %.3g; their faces are within %.3g of the surface\n",
-                     solution.freed_nodes, solution.off_motion.largest_slide, solution.surface_distance * problem.frame.length);
+        print(out, solution.freed_nodes, " nodes slid along the surface, by at most ",
+              shown(solution.off_motion.largest_slide, 3), "; their faces are within ",
+              shown(solution.surface_distance * problem.frame.length, 3), " of the surface\n");
     if (solution.straight_faces)
         print(out, solution.straight_faces, " of ", problem.mesh().face_count(),
               " faces were made flat, or flatter than in the file\n");
     print(out, moved_nodes_text(problem.mesh(), solution.off_motion.moved),
           distance_table(problem.mesh(), solution.distances, "the target as it came"));
-}
-
-// "5 AL and 11 Newton iterations"
-std::string work_of(const Solution& solution) {
-    return concat(solution.al.iterations.size() - 1, " AL and ", solution.al.newton_iterations, " Newton iterations");
 }
 
 }  // namespace
@@ -277,24 +263,23 @@ void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, cons
                          : is_improved(deck.ideal)                         ? " more in other attempts"
                          : deck.distortion.objective == Objective::minimax ? " more with earlier powers"
                                                                            : " more in earlier load increments");
-    if (!others.empty()) others = " (" + others + ")";
-    std::fprintf(out, "%s: %s%s in %.2f s\n", headline(outcome(solution.al)).c_str(), work_of(solution).c_str(),
-                 others.c_str(), solution.time.total);
+    print(out, headline(outcome(solution.al)), ": ", solution.al.iterations.size() - 1, " AL and ",
+          solution.al.newton_iterations, " Newton iterations", others.empty() ? "" : " (" + others + ")", " in ",
+          fixed(solution.time.total, 2), " s\n");
     print_diagnosis(out, deck, problem, solution);
     print_boundary(out, deck, problem, solution);
     if (solution.al.iterations.back().newton_status == Status::attainable_accuracy)
-        std::fprintf(out, "|grad E| stays above omega_star: what steps would gain is below the rounding of E\n");
+        print(out, "|grad E| stays above omega_star: what steps would gain is below the rounding of E\n");
     if (fallbacks)
-        std::fprintf(out,
-                     "the iterative solver failed in %d Newton step%s; Cholesky solved them (why: history.csv)\n",
-                     fallbacks, fallbacks == 1 ? "" : "s");
+        print(out, "the iterative solver failed in ", counted(fallbacks, "Newton step"),
+              "; Cholesky solved them (why: history.csv)\n");
     if (solution.refused_bytes > 0)
-        std::fprintf(out, "the Cholesky factor takes %.3g GB, more than this machine's memory\n",
-                     solution.refused_bytes / 1e9);
+        print(out, "the Cholesky factor takes ", shown(solution.refused_bytes / 1e9, 3),
+              " GB, more than this machine's memory\n");
     const bool shows = solution.diagnosis.kind != DiagnosisKind::none && deck.vtk != VtkOutput::none;
-    std::fprintf(out, "%s: scaled Jacobian >= %s everywhere; results in %s%s\n", judgement(problem, solution).c_str(),
-                 rounded_down(solution.certificate.min_scaled_jacobian, 4).c_str(), deck.output.c_str(),
-                 shows ? ", the elements around it in stop.vtk" : "");
+    print(out, judgement(problem, solution), ": scaled Jacobian >= ",
+          rounded_down(solution.certificate.min_scaled_jacobian, 4), " everywhere; results in ", deck.output,
+          shows ? ", the elements around it in stop.vtk" : "", "\n");
 }
 
 }  // namespace almesh

@@ -1,10 +1,14 @@
-#include "report/quality_change.hpp"
+#include "report/mesh_quality.hpp"
 
 #include <algorithm>
 #include <array>
 
+#include "report/results.hpp"
 #include "base/parallel.hpp"
 #include "base/table.hpp"
+#include "check/boundary_distance.hpp"
+#include "check/infeasible.hpp"
+#include "check/injectivity.hpp"
 #include "check/quality.hpp"
 #include "check/scaled_jacobian.hpp"
 
@@ -57,6 +61,31 @@ std::string quality_csv(const QualityChange& change) {
     std::string text = csv_row(heading);
     for (const Cells& row : rows) text += csv_row(row);
     return text;
+}
+
+bool print_quality(std::FILE* out, const Mesh& mesh, const std::string& before, const std::vector<double>& came,
+                   const std::string& folder) {
+    const QualityStatistics shape = mesh_quality(mesh, mesh.x);
+    print(out, "\nshape quality 1/eta against the regular ", mesh.is_simplicial() ? "simplex" : "cell", ": min ",
+          to_text(shape.min, 4), ", mean ", to_text(shape.mean, 4), "; edges ", to_text(shape.min_edge, 4), " to ",
+          to_text(shape.max_edge, 4), "\n", histogram_text(shape), "\nworst elements (id, centre, quality):",
+          list_invalid(mesh, shape.worst, mesh.x, shape.quality).first, "\n");
+
+    if (!before.empty()) {
+        const std::vector<BoundaryDistance> distances = boundary_distances(mesh, came, mesh.x);
+        if (distances.empty()) print(out, "\nall faces are where ", before, " has them\n");
+        else print(out, "\n", distance_table(mesh, distances, "those of " + before));
+        print(out, "\nbefore: ", before, "\n", quality_table(quality_change(mesh, came, mesh.x)));
+    }
+
+    const Certificate certificate = certify(mesh, mesh.x);
+    print(out, "\nscaled Jacobian >= ", rounded_down(certificate.min_scaled_jacobian, 6), " everywhere",
+          certificate.valid ? ": all elements certified valid\n" : "\n");
+    print_uncertified(out, mesh, mesh.x, certificate, folder);
+    const Injectivity injectivity = certify_injective(mesh, mesh.x, certificate);
+    if (injectivity.certified) print(out, "certified injective: no two elements overlap\n");
+    else if (certificate.valid) print(out, "NOT certified injective: ", overlap_text(mesh, injectivity), "\n");
+    return injectivity.certified;
 }
 
 }  // namespace almesh

@@ -1,4 +1,4 @@
-#include "report/summary.hpp"
+#include "problem/summary.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,12 +6,11 @@
 #include <limits>
 
 #include "problem/problem.hpp"
-#include "report/iteration_table.hpp"
-#include "report/results.hpp"
+#include "problem/solution.hpp"
 #include "base/error.hpp"
-#include "base/files.hpp"
 #include "base/parallel.hpp"
 #include "base/physical_memory.hpp"
+#include "base/table.hpp"
 
 namespace almesh {
 namespace {
@@ -32,11 +31,7 @@ double peak_memory_mb() { return peak_memory() / (1024 * 1024); }
 
 std::string text(const char* word) { return word; }
 std::string text(long long count) { return std::to_string(count); }
-std::string text(double value, int digits) {
-    std::string shown;
-    append(shown, value, digits);
-    return shown;
-}
+std::string text(double value, int digits) { return to_text(value, digits); }
 
 enum class Kind { word, count, decimal };
 
@@ -220,6 +215,23 @@ std::string condition_text(const Expectation& expectation) {
 }
 
 }  // namespace
+
+AlIteration Units::of(AlIteration row) const {
+    row.constraint_norm = distance(row.constraint_norm);
+    row.projected_constraint_norm = distance(row.projected_constraint_norm);
+    row.energy = energy(row.energy);
+    row.gradient_norm = gradient(row.gradient_norm);
+    row.mu = penalty(row.mu);
+    row.omega = gradient(row.omega);
+    row.epsilon = distance(distance(row.epsilon));  // of a squared norm
+    return row;
+}
+
+NewtonStep Units::of(NewtonStep step) const {
+    step.energy = energy(step.energy);
+    step.gradient_norm = gradient(step.gradient_norm);
+    return step;
+}
 
 Summary summarise(const Problem& problem, const Solution& solution) {
     const Units units = {problem.mesh().dim, problem.frame.length};

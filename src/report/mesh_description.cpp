@@ -1,13 +1,12 @@
+#include "report/mesh_description.hpp"
+
 #include <algorithm>
 #include <filesystem>
 #include <map>
 #include <numeric>
 
 #include "problem/base_mesh.hpp"
-#include "app/commands.hpp"
-#include "deck/deck.hpp"
 #include "base/index.hpp"
-#include "base/parallel.hpp"
 #include "base/table.hpp"
 #include "check/certificate.hpp"
 #include "check/injectivity.hpp"
@@ -15,7 +14,6 @@
 #include "geometry/patch.hpp"
 #include "geometry/face_patches.hpp"
 #include "io/mesh_format.hpp"
-#include "mesh/build.hpp"
 #include "mesh/inner_boundary.hpp"
 #include "mesh/kept_cells.hpp"
 
@@ -120,19 +118,19 @@ void print_groups(const Mesh& mesh, const std::vector<GroupCells>& inner, const 
 }
 
 // What a run does with a mesh that is not valid.
-std::string what_a_run_does(const Deck& deck, const RawMesh& raw) try {
+std::string what_a_run_does(const Deck& deck) try {
     std::vector<std::string> notes;
-    build_base_mesh(raw, deck.ideal, notes);
+    build_base_mesh(read_mesh(deck.mesh), deck.ideal, notes);
     return "a run starts from the mesh with straight sides";
 } catch (const InputError&) {
     return "a run refuses the mesh, almesh improve FILE may mend it";
 }
 
-std::string validity_of(const Deck& deck, const RawMesh& raw, const Mesh& mesh) {
+std::string validity_of(const Deck& deck, const Mesh& mesh) {
     const Certificate certificate = certify(mesh, mesh.x);
     if (!certificate.valid)
         return concat(counted(certificate.uncertified.size(), "element"), " not certified valid (almesh quality FILE ",
-                      "lists them); ", what_a_run_does(deck, raw));
+                      "lists them); ", what_a_run_does(deck));
     const Injectivity injectivity = certify_injective(mesh, mesh.x, certificate);
     return injectivity.certified ? "all elements certified valid, none overlap"
                                  : "all elements certified valid, but " + injectivity.reason;
@@ -176,25 +174,21 @@ void print_deck(const Deck& deck, const Mesh& mesh, const std::vector<GroupCells
         if (deck.given.contains(key.name) && key.name != "output")
             print(out, key.name, " = ", key.value.text(deck), "\n");
     // Of the line that was given, else a boundary that stays, as a comment where it may be free.
-    const auto line = [out](const char* what, const std::string& name, const DeckBoundary* given, bool may_be_free) {
+    const auto line = [out](const char* what, const std::string& name, const BoundaryMotion* given, bool may_be_free) {
         print(out, may_be_free && !given ? "# " : "", what, " ", quoted_where_needed(name, "#=\" \t"), " = ",
               given ? to_string(given->motion) : "fixed", "\n");
     };
     for (const std::string& name : mesh.boundaries) line("boundary", name, motion_for(deck, name), false);
     for (const GroupCells& group : inner) line("boundary", group.name, find_row(deck.boundaries, group.name), true);
     for (const GroupCells& group : volumes) {
-        const DeckBoundary* const given = find_row(deck.boundaries, volume_group(group.name));
+        const BoundaryMotion* const given = find_row(deck.boundaries, volume_group(group.name));
         if (given || volumes.size() > 1) line("volume", group.name, given, true);
     }
 }
 
 }  // namespace
 
-ExitCode info(const Deck& deck, std::FILE* out) {
-    set_threads(deck.threads);
-    std::vector<std::string> notes;
-    const RawMesh raw = read_mesh(deck.mesh);
-    const Mesh mesh = build_mesh(raw, notes, Folds::keep);
+void describe_mesh(std::FILE* out, const Deck& deck, const Mesh& mesh, const std::vector<std::string>& notes) {
     std::vector<int> all(mesh.nodes());
     std::iota(all.begin(), all.end(), 0);
     print(out, "# ", deck.mesh, ", ", to_string(mesh.file.format), ": ", mesh.nodes(), " nodes, ",
@@ -203,7 +197,7 @@ ExitCode info(const Deck& deck, std::FILE* out) {
     if (const std::string kept = kept_text(mesh); !kept.empty())
         print(out, "# carried along with the mesh: ", kept, "\n");
     for (const std::string& note : notes) print(out, "# note: ", note, "\n");
-    print(out, "# ", validity_of(deck, raw, mesh), "\n");
+    print(out, "# ", validity_of(deck, mesh), "\n");
 
     const std::vector<GroupCells> inner = inner_groups(mesh), volumes = volume_groups(mesh);
     print_groups(mesh, inner, volumes, out);
@@ -211,7 +205,6 @@ ExitCode info(const Deck& deck, std::FILE* out) {
                                         [](const std::string& note) { return note.starts_with("no tagged"); });
     if (!has_names || deck.given.contains("feature_angle")) print_parts(deck, mesh, out);
     print_deck(deck, mesh, inner, volumes, out);
-    return ExitCode::success;
 }
 
 }  // namespace almesh

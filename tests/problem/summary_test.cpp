@@ -1,4 +1,4 @@
-#include "report/summary.hpp"
+#include "problem/summary.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,6 +1,7 @@
-// How good the elements of a mesh are before and after: two measures, the scaled Jacobian (check/scaled_jacobian.hpp)
+// How good the elements of a mesh are, and before and after: two measures, the scaled Jacobian (check/scaled_jacobian.hpp)
 // and the shape quality 1 / eta against the regular cell (check/quality.hpp).
 #pragma once
+#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -23,5 +24,10 @@ std::string quality_table(const QualityChange& change);
 // quality.csv: a row for each range of values, the first of all that are not positive; a column for each measure before
 // and after, numbers of elements.
 std::string quality_csv(const QualityChange& change);
+
+// Quality and certificates of the mesh; where `before` is the name of a file, the distances and changes from where that
+// has the nodes, at `came`. folder: of invalid.csv, "" for none. Returns whether the mesh is certified.
+bool print_quality(std::FILE* out, const Mesh& mesh, const std::string& before, const std::vector<double>& came,
+                   const std::string& folder);
 
 }  // namespace almesh

@@ -1,4 +1,4 @@
-#include "problem/mesh_velocity.hpp"
+#include "report/mesh_velocity.hpp"
 
 #include <cmath>
 

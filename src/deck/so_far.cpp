@@ -1,4 +1,4 @@
-#include "problem/so_far.hpp"
+#include "deck/so_far.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +9,9 @@
 #include "check/certificate.hpp"
 #include "io/msh.hpp"
 #include "mesh/winding.hpp"
+#include "deck/deck_checks.hpp"
 #include "problem/problem.hpp"
-#include "report/results.hpp"
+#include "problem/solution.hpp"
 
 namespace almesh {
 namespace {
@@ -89,7 +90,7 @@ std::string command_to_go_on(const Deck& deck) {
 std::string way_of(const Deck& deck, const Problem& problem) {
     std::string text = problem.mesh_hash;
     for (const Constant& constant : deck.constants) text += concat(constant.name, "=", constant.text, "\n");
-    for (const DeckBoundary& boundary : deck.boundaries)
+    for (const BoundaryMotion& boundary : deck.boundaries)
         text += concat(boundary.name, "=", to_string(boundary.motion), "\n");
     const std::vector<double>& target = problem.node_target;
     text.append(reinterpret_cast<const char*>(target.data()), target.size() * sizeof(double));
@@ -117,17 +118,13 @@ std::optional<Standing> read_standing(const Deck& deck, Problem& problem) try {
     throw InputError(deck.given.at("start"), ": start = ", deck.start_file, ": ", error.what());
 }
 
-MeshSoFar::MeshSoFar(const Deck& deck, const Problem& problem, double seconds, std::function<void()> observe,
-                     std::FILE* out)
-    : deck_(deck), problem_(problem), seconds_(seconds), observe_(std::move(observe)), out_(out) {}
-
-void MeshSoFar::keep(const Level& level, const std::vector<double>& x) {
+void WrittenMeshSoFar::keep(const Level& level, const std::vector<double>& x) {
     const bool is_stopped = &level != problem_.level.get() && interrupted();  // on its own level more may come
     if (is_stopped || std::chrono::duration<double>(Clock::now() - written_).count() >= seconds_) write(level, x);
     if (observe_) observe_();
 }
 
-void MeshSoFar::write(const Level& level, const std::vector<double>& x) {
+void WrittenMeshSoFar::write(const Level& level, const std::vector<double>& x) {
     written_ = Clock::now();
     const Mesh& mesh = problem_.mesh();
     std::vector<double> positions = standing->x.empty() ? x : standing->x;

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "base/interrupt.hpp"  // Clock
-#include "method/continuation.hpp"
+#include "problem/solve.hpp"
 
 namespace almesh {
 
@@ -34,18 +34,15 @@ std::string way_of(const Deck& deck, const Problem& problem);
 // way, which is noted, or has none. Throws InputError where it is damaged.
 std::optional<Standing> read_standing(const Deck& deck, Problem& problem);
 
-class MeshSoFar {
+class WrittenMeshSoFar : public MeshSoFar {
 public:
     // seconds: between two writings. observe: called with every iterate. What cannot be written is told of once.
-    MeshSoFar(const Deck& deck, const Problem& problem, double seconds, std::function<void()> observe, std::FILE* out);
+    WrittenMeshSoFar(const Deck& deck, const Problem& problem, double seconds, std::function<void()> observe,
+                     std::FILE* out)
+        : deck_(deck), problem_(problem), seconds_(seconds), observe_(std::move(observe)), out_(out) {}
 
-    std::shared_ptr<Standing> standing = std::make_shared<Standing>();
-
-    // x: an iterate on the level, which is that of the problem or a coarser one. Written when it is due.
-    void keep(const Level& level, const std::vector<double>& x);
-    // Or the mesh where its increment or power began; but for the mesh that the run starts from anyway, and one that is
-    // not certified valid.
-    void write(const Level& level, const std::vector<double>& x);
+    void keep(const Level& level, const std::vector<double>& x) override;
+    void write(const Level& level, const std::vector<double>& x) override;
 
 private:
     const Deck& deck_;

@@ -1,5 +1,5 @@
 // The quality of elements before and after, as a table and as quality.csv.
-#include "report/quality_change.hpp"
+#include "report/mesh_quality.hpp"
 
 #include <doctest/doctest.h>
 

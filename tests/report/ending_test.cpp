@@ -1,5 +1,4 @@
-#include "app/run/solve.hpp"
-#include "problem/solve.hpp"
+#include "report/terminal.hpp"
 
 #include <doctest/doctest.h>
 
@@ -7,7 +6,8 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "problem/problem.hpp"
+#include "deck/make_problem.hpp"
+#include "problem/solve.hpp"
 #include "report/results.hpp"
 #include "base/interrupt.hpp"
 #include "support/ring_deck.hpp"

@@ -1,15 +1,37 @@
-// Groups of elements in a run: what they came to.
-#include "app/run/solve.hpp"
+#include "report/terminal.hpp"
 
 #include <algorithm>
 #include <cmath>
 
+#include "problem/memory.hpp"
+#include "report/mesh_quality.hpp"
+#include "base/files.hpp"
 #include "base/index.hpp"
+#include "base/parallel.hpp"
 #include "base/table.hpp"
 #include "mesh/inner_boundary.hpp"
 #include "mesh/part.hpp"
 
 namespace almesh {
+
+void print_mesh(std::FILE* out, const Deck& deck, const Problem& problem) {
+    const Mesh& mesh = problem.mesh();
+    if (!deck.title.empty()) print(out, deck.title, "\n");
+    print(out, deck.mesh, ": ", mesh.nodes(), " nodes, ", mesh.elements_text(), " of degree ", mesh.degree, ", ",
+          mesh.face_count(), " boundary faces; ", counted(static_cast<std::size_t>(max_threads()), "thread"), "\n");
+    for (const std::string& note : problem.notes) print(out, "note: ", note, "\n");
+    if (!deck.sweeps.empty()) std::fprintf(out, "note: one run, without the lines `sweep`: almesh sweep runs all\n");
+    constexpr double worth_telling = 0.5e9;  // bytes
+    const double bytes = deck.frames.empty() ? predicted_bytes(mesh, deck.linear) : 0;
+    if (bytes > worth_telling) std::fprintf(out, "about %.2g GB of memory will be needed\n", bytes / 1e9);
+    std::fflush(out);
+}
+
+void report_improvement(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution) {
+    const QualityChange change = quality_change(problem.mesh(), problem.mesh().x, solution.x);
+    print(out, quality_table(change));
+    write_file(deck.output + "/quality.csv", quality_csv(change));
+}
 
 void print_volumes(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution) {
     const Mesh& mesh = problem.mesh();

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "problem/frame_state.hpp"
-#include "problem/problem.hpp"
+#include "deck/deck.hpp"
+#include "problem/frame_solver.hpp"
 #include "check/swept_volumes.hpp"
 #include "io/vtk.hpp"
 

@@ -1,0 +1,35 @@
+// The problem of a deck: its files read, and what is refused told with the line of the deck and with advice.
+#pragma once
+#include <map>
+#include <string>
+#include <vector>
+
+#include "deck/deck.hpp"
+#include "problem/problem.hpp"
+
+namespace almesh {
+
+struct InvalidElements;
+
+// Throws UsageError or InputError for everything that can be wrong before solving. The level has no energy and no
+// constraint yet.
+Problem make_problem(const Deck& deck);
+
+// As of problem/, with faces that the deck selects.
+void assign_boundaries(const Deck& deck, Mesh& mesh, std::vector<std::string>& notes);
+void move_target(const Deck& deck, Problem& problem);
+
+// In all files of a run: a hash of the settings, wherever the results go, on however many threads, and in however many
+// pieces, and of the files that the deck names; those of frames are read when their time comes. The same run again has
+// the same. known: of files by their paths; "" or no row: not yet.
+using FileHashes = std::map<std::string, std::string>;
+std::string run_id(Deck deck, FileHashes& known);
+
+// The run's id, and in the comment of meshes that are written, is that of this deck.
+void identify(const Deck& deck, Problem& problem);
+
+// Where there are more than ten, writes them all to invalid.csv in the folder, which is made if it is missing; "": to
+// none. Returns a line that says so, else "".
+std::string write_invalid(const InvalidElements& list, const std::string& folder);
+
+}  // namespace almesh
