@@ -182,7 +182,8 @@ struct MovingMesh::State {
     Moved follow(const Moved& before, double t, int halvings, const Observer& observe);
     Derivative derivative(Moved& at);
     std::vector<double> to_run(const std::vector<double>& x) const;  // nodes of the arrays to those of the problem
-    std::vector<double> to_arrays(const std::vector<double>& x) const;
+    // others: of nodes that the problem does not have; empty: 0.
+    std::vector<double> to_arrays(const std::vector<double>& values, std::vector<double> others) const;
 };
 
 MovingMesh::State::State(const MeshArrays& mesh, const Options& options) : given(mesh), arrays(mesh) {
@@ -233,15 +234,16 @@ std::vector<double> MovingMesh::State::to_run(const std::vector<double>& x) cons
     return y;
 }
 
-std::vector<double> MovingMesh::State::to_arrays(const std::vector<double>& x) const {
-    return by_id(problem->mesh().file.node_id, x, arrays.dim, arrays.x);
+std::vector<double> MovingMesh::State::to_arrays(const std::vector<double>& values, std::vector<double> others) const {
+    others.resize(arrays.x.size(), 0.0);
+    return by_id(problem->mesh().file.node_id, values, arrays.dim, std::move(others));
 }
 
 Moved MovingMesh::State::result(Solution solution, double t) {
     round_as_file(*problem, solution.x);
     examine(setup, *problem, solution);
     Moved moved;
-    moved.x = to_arrays(final_positions(*problem, solution.x));
+    moved.x = to_arrays(final_positions(*problem, solution.x), arrays.x);
     moved.t = t;
     moved.converged = solution.al.status == Status::converged;
     moved.status = to_string(outcome(solution.al));
@@ -288,7 +290,7 @@ Derivative MovingMesh::State::derivative(Moved& at) {
     if (setup.distortion.objective != Objective::minimax) set_functional(setup, *problem);
     Derivative derivative(level.mesh, *level.energy, *level.constraint, setup.linear);
     derivative.polish(x);
-    at.x = to_arrays(final_positions(*problem, x));
+    at.x = to_arrays(final_positions(*problem, x), arrays.x);
     return derivative;
 }
 
@@ -332,16 +334,12 @@ Verdict MovingMesh::certify(const std::vector<double>& x) const {
 std::vector<double> MovingMesh::tangent(Moved& at, const std::vector<double>& velocity) {
     Derivative derivative = state_->derivative(at);
     const std::vector<double> shift = state_->to_run(velocity);
-    const std::vector<double> dx = derivative.tangent({shift, std::vector<double>(shift.size(), 0.0)});
-    return by_id(state_->problem->mesh().file.node_id, dx, state_->arrays.dim,
-                 std::vector<double>(state_->arrays.x.size(), 0.0));
+    return state_->to_arrays(derivative.tangent({shift, std::vector<double>(shift.size(), 0.0)}), {});
 }
 
 std::vector<double> MovingMesh::adjoint(Moved& at, const std::vector<double>& dJ_dx) {
     Derivative derivative = state_->derivative(at);
-    const BoundaryChange slope = derivative.adjoint(state_->to_run(dJ_dx));
-    return by_id(state_->problem->mesh().file.node_id, slope.shift, state_->arrays.dim,
-                 std::vector<double>(state_->arrays.x.size(), 0.0));
+    return state_->to_arrays(derivative.adjoint(state_->to_run(dJ_dx)).shift, {});
 }
 
 }  // namespace almesh

@@ -87,29 +87,35 @@ const BoundaryMotion* line_of(const ProblemSetup& setup, const Mesh& mesh, int b
     return found;
 }
 
-// Boundaries that one line moves become one.
+// Boundary b becomes number[b]; several become one, with the groups of all, and of those below 0 nothing is left.
+void renumber_boundaries(Mesh& mesh, const std::vector<int>& number) {
+    Mesh renumbered;
+    for (std::size_t b = 0; b < number.size(); ++b) {
+        if (number[b] < 0) continue;
+        if (number[b] == static_cast<int>(renumbered.boundaries.size())) {
+            renumbered.boundaries.push_back(mesh.boundaries[b]);
+            renumbered.boundary_groups.emplace_back();
+            if (!mesh.inner.empty()) renumbered.inner.push_back(mesh.inner[b]);
+        }
+        MeshGroups::add(mesh.boundary_groups[b], renumbered.boundary_groups[number[b]]);
+    }
+    mesh.boundaries = std::move(renumbered.boundaries);
+    mesh.boundary_groups = std::move(renumbered.boundary_groups);
+    mesh.inner = std::move(renumbered.inner);
+    for (int& boundary : mesh.face_boundary) boundary = number[boundary];
+}
+
+// Boundaries that one line moves become one, of its name.
 void merge_boundaries(const ProblemSetup& setup, Mesh& mesh) {
     std::map<std::pair<std::string, bool>, int> known;  // by name, and whether it is an inner one
-    Mesh merged;
     std::vector<int> number;
     for (int b = 0; b < static_cast<int>(mesh.boundaries.size()); ++b) {
-        const BoundaryMotion* const line = line_of(setup, mesh, b);
+        if (const BoundaryMotion* const line = line_of(setup, mesh, b)) mesh.boundaries[b] = line->name;
         const bool is_inner = !mesh.inner.empty() && mesh.inner[b];
-        const std::string& name = line ? line->name : mesh.boundaries[b];
-        const auto [at, is_new] = known.try_emplace({name, is_inner}, static_cast<int>(merged.boundaries.size()));
-        number.push_back(at->second);
-        if (is_new) {
-            merged.boundaries.push_back(name);
-            merged.boundary_groups.emplace_back();
-            if (!mesh.inner.empty()) merged.inner.push_back(is_inner);
-        }
-        for (const std::string& group : mesh.boundary_groups[b])
-            if (!has(merged.boundary_groups[at->second], group)) merged.boundary_groups[at->second].push_back(group);
+        const int next = static_cast<int>(known.size());
+        number.push_back(known.try_emplace({mesh.boundaries[b], is_inner}, next).first->second);
     }
-    mesh.boundaries = std::move(merged.boundaries);
-    mesh.boundary_groups = std::move(merged.boundary_groups);
-    mesh.inner = std::move(merged.inner);
-    for (int& boundary : mesh.face_boundary) boundary = number[boundary];
+    renumber_boundaries(mesh, number);
 }
 
 // The motion, with `slide` last where it prescribes positions.
@@ -156,18 +162,9 @@ void drop_empty_boundaries(Mesh& mesh) {
     std::vector<int> number(mesh.boundaries.size(), -1);
     for (const int boundary : mesh.face_boundary) number[boundary] = 0;
     int next = 0;
-    for (std::size_t b = 0; b < number.size(); ++b) {
-        if (number[b] < 0) continue;
-        number[b] = next;
-        mesh.boundaries[next] = mesh.boundaries[b];
-        mesh.boundary_groups[next] = mesh.boundary_groups[b];
-        if (!mesh.inner.empty()) mesh.inner[next] = mesh.inner[b];
-        ++next;
-    }
-    mesh.boundaries.resize(next);
-    mesh.boundary_groups.resize(next);
-    if (!mesh.inner.empty()) mesh.inner.resize(next);
-    for (int& boundary : mesh.face_boundary) boundary = number[boundary];
+    for (int& boundary : number)
+        if (boundary == 0) boundary = next++;
+    renumber_boundaries(mesh, number);
 }
 
 void assign_boundaries(const ProblemSetup& setup, Mesh& mesh, std::vector<std::string>& notes) {

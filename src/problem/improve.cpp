@@ -5,11 +5,11 @@
 #include <limits>
 #include <utility>
 
+#include "problem/base_mesh.hpp"
 #include "mesh/part.hpp"
 #include "problem/corner_smoothing.hpp"
 #include "problem/curving.hpp"
 #include "problem/kept_surface.hpp"
-#include "problem/moved_vertices.hpp"
 #include "problem/untangling.hpp"
 #include "base/error.hpp"
 #include "base/interrupt.hpp"
@@ -19,6 +19,7 @@
 #include "check/target_check.hpp"
 #include "geometry/patch.hpp"
 #include "mesh/local_size.hpp"
+#include "mesh/part.hpp"
 
 namespace almesh {
 namespace {
@@ -90,8 +91,7 @@ void find_infeasible_elements(const ProblemOptions& options, Problem& problem, c
     auto why = why_infeasible(problem.mesh(), x, *problem.level->constraint, problem.target, problem.sliding.get());
     const auto count = why.size() - std::count(why.begin(), why.end(), "");
     if (count == 0) return;
-    std::fprintf(out, "note: %s invalid whatever the nodes inside do: all others are made better\n",
-                 counted(count, "element").c_str());
+    print(out, "note: ", counted(count, "element"), " invalid whatever the nodes inside do: all others are made better\n");
     problem.infeasible = std::move(why);
 }
 
@@ -127,9 +127,9 @@ void untangle(const ProblemOptions& options, Problem& problem, const std::vector
     leave_out(std::vector(all.left));
     newton_steps += all.newton_iterations;
     const auto left = std::count_if(invalid.begin(), invalid.end(), [&](int e) { return !is_feasible(problem, e); });
-    std::fprintf(out, "%s invalid in the file, %td left after %s in %s\n",
-                 counted(invalid.size() + never, "element").c_str(), left + static_cast<std::ptrdiff_t>(never),
-                 counted(all.newton_iterations, "Newton step").c_str(), counted(all.regions, "region").c_str());
+    print(out, counted(invalid.size() + never, "element"), " invalid in the file, ",
+          left + static_cast<std::ptrdiff_t>(never), " left after ", counted(all.newton_iterations, "Newton step"),
+          " in ", counted(all.regions, "region"), "\n");
 }
 
 Solution improved(const ProblemOptions& options, Problem& problem, const Solve& solve, int& newton_steps, std::FILE* out) {
@@ -149,8 +149,7 @@ Solution improved(const ProblemOptions& options, Problem& problem, const Solve& 
         const std::size_t told = problem.notes.size();
         take_along_target(problem, problem.start.empty() ? mesh.x : problem.start, x);
         hold_curved_faces(options, problem, x);
-        for (std::size_t k = told; k < problem.notes.size(); ++k)
-            std::fprintf(out, "note: %s\n", problem.notes[k].c_str());
+        for (std::size_t k = told; k < problem.notes.size(); ++k) print(out, "note: ", problem.notes[k], "\n");
         if (options.ideal != IdealKind::mesh) problem.level->ideal = x;  // by which faces and heights are measured
     }
     problem.start = so_far.empty() ? x : so_far;
@@ -165,19 +164,18 @@ Solution improved(const ProblemOptions& options, Problem& problem, const Solve& 
     Solution solution = solve(options, problem);
     problem.start = x;
     if (is_worse(solution) && options.distortion.objective != Objective::minimax && !interrupted()) {
-        std::fprintf(out, "note: an element is worse than the worst of the file: again with objective = minimax\n");
+        print(out, "note: an element is worse than the worst of the file: again with objective = minimax\n");
         ProblemOptions other = options;
         other.distortion.objective = Objective::minimax;
         solution = solve(other, problem);
     }
     if (problem.sliding && fails(solution) && is_certified(problem, x)) {
-        std::fprintf(out, "note: no valid mesh was found with nodes that slide: the boundary stays as it is\n");
+        print(out, "note: no valid mesh was found with nodes that slide: the boundary stays as it is\n");
         fix_boundary(problem, x);
         solution = solve(options, problem);
     }
     if (is_worse(solution) || (fails(solution) && is_certified(problem, x))) {
-        std::fprintf(out, "note: no better mesh was found: the %smesh stays as it is\n",
-                     was_valid ? "" : "untangled ");
+        print(out, "note: no better mesh was found: the ", was_valid ? "" : "untangled ", "mesh stays as it is\n");
         set_functional(options, problem);
         solution = ended_at(problem, std::move(x), Status::converged);
     }
@@ -228,9 +226,44 @@ void raise_worst_corners(const ProblemOptions& options, const Problem& problem, 
     newton_steps += found.newton_steps;
     if (found.after == found.before) return;
     measure(*level.energy, *level.constraint, solution.x, solution.al.distortion, solution.al.iterations.back());
-    std::fprintf(out, "worst corner inside: scaled Jacobian raised from %s to %s in %s\n",
-                 rounded_down(found.before, 4).c_str(), rounded_down(found.after, 4).c_str(),
-                 counted(found.newton_steps, "Newton step").c_str());
+    print(out, "worst corner inside: scaled Jacobian raised from ", rounded_down(found.before, 4), " to ",
+          rounded_down(found.after, 4), " in ", counted(found.newton_steps, "Newton step"), "\n");
+}
+
+// A curved mesh made better by its vertices alone: the mesh with straight sides on them is improved, and what lies
+// between vertices is as far from the straight sides as before. Straight elements stay straight, so that what is
+// certified of them is not lowered; curved faces stay, as their vertices do. Returns where it takes the nodes, in the
+// problem's frame; nothing where the mesh with straight sides cannot be improved, or faces would leave the surface.
+std::vector<double> moved_vertices(const ProblemSetup& setup, const Problem& problem,
+                                   const std::function<Solution(const ProblemSetup&, Problem&)>& improve_straight) try {
+    ProblemSetup linear = setup;
+    linear.degree = 1;
+    Problem straight = make_problem(linear, {linear_part(problem.base), true});
+    set_regular_elements(straight);
+    hold_surface(linear, straight);
+    const Solution solution = improve_straight(linear, straight);
+    if (solution.al.status != Status::converged) return {};
+
+    const Mesh& mesh = problem.mesh();
+    const int dim = mesh.dim;
+    Mesh moved = mesh;
+    std::vector<char> is_vertex(mesh.nodes(), 0);
+    for (int e = 0; e < mesh.element_count(); ++e)
+        for (int v = 0; v < mesh.cell(e).vertices; ++v) is_vertex[mesh.element(e)[v]] = 1;
+    std::size_t from = 0;
+    for (std::size_t k = 0; k < mesh.x.size(); ++k) {
+        if (!is_vertex[k / dim]) continue;
+        const double in_file = straight.frame.to_file(solution.x[from], from, dim);
+        if (solution.x[from] != straight.mesh().x[from]) moved.x[k] = problem.frame.to_run(in_file, k, dim);
+        ++from;
+    }
+    const std::vector<double> before = straight_sided(mesh), now = straight_sided(moved);
+    std::vector<double> x = mesh.x;
+    for (std::size_t k = 0; k < x.size(); ++k)
+        if (now[k] != before[k]) x[k] = is_vertex[k / dim] ? now[k] : x[k] + (now[k] - before[k]);
+    return surface_distance(problem, x) <= setup.surface_tolerance ? x : std::vector<double>();
+} catch (const Error&) {
+    return {};
 }
 
 }  // namespace
@@ -257,19 +290,19 @@ Solution improve(const ProblemSetup& setup, Problem& problem, const Solve& solve
     Solution solution = improve_near(setup, problem);
     const Mesh& mesh = problem.mesh();
     if (mesh.degree > 1 && solution.x == mesh.x && may_stay(setup, problem) && !interrupted()) {
-        std::fprintf(out, "the vertices alone are moved, as in a mesh with straight sides:\n");
+        print(out, "the vertices alone are moved, as in a mesh with straight sides:\n");
         std::vector<double> x = moved_vertices(setup, problem, improve_near);
         const LeastJacobian before = least_jacobian(problem, mesh.x);
         const LeastJacobian now = x.empty() ? before : least_jacobian(problem, x);
         const bool is_better = now.corner > before.corner && !now.is_below(before) && is_certified(problem, x);
-        if (!is_better) std::fprintf(out, "note: the mesh with moved vertices is not better either\n");
+        if (!is_better) print(out, "note: the mesh with moved vertices is not better either\n");
         else fix_boundary(problem, x);
         set_functional(setup, problem);
         solution = ended_at(problem, is_better ? std::move(x) : mesh.x, Status::converged);
     }
     if (solution.al.status != Status::converged && may_stay(setup, problem) && is_certified(problem, mesh.x) &&
         surface_distance(problem, solution.x) > setup.surface_tolerance) {
-        std::fprintf(out, "note: faces were off the surface at the end: the mesh stays as it is\n");
+        print(out, "note: faces were off the surface at the end: the mesh stays as it is\n");
         set_functional(setup, problem);
         solution = ended_at(problem, mesh.x, solution.al.status);
     }

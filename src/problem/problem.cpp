@@ -174,6 +174,12 @@ void read_motions(const ProblemSetup& setup, Problem& problem) {
     problem.placed = problem.level_placed = std::move(targets.placed);
 }
 
+void check_split(const ProblemOptions& options, const Mesh& mesh) {
+    if (options.split != Split::never && !mesh.is_simplicial())
+        throw SettingError("split", "split divides triangles and tetrahedra, but the mesh has ", mesh.elements_text(),
+                           ": leave it out");
+}
+
 // With fewer points than |F|^2 needs, the energy does not see some motions of the nodes inside an element.
 void check_quadrature(int exactness, const Mesh& mesh, int degree) {
     const int least = mesh.is_simplicial() ? 2 * (degree - 1) : 2 * degree;
@@ -217,28 +223,6 @@ std::shared_ptr<SlidingSurfaces> make_surfaces(const ProblemSetup& setup, Proble
     return sliding;
 }
 
-// For load increments: the constraint at a fraction of the motions of the level, which is in the run's frame. placed:
-// of its nodes, by files. Null where boundaries that share nodes do not agree there. of_whole: the target at the end.
-std::unique_ptr<Constraint> constraint_at(double fraction, const ProblemOptions& options, const Problem& problem,
-                                          const Level& level, const BoundaryTarget& of_whole, TargetKind kind,
-                                          const std::vector<Motion>& motions, const PlacedNodes& placed) {
-    const Frame& frame = problem.frame;
-    const int dim = level.mesh.dim;
-    const std::vector<double> in_file = frame.to_file(between(level.ideal, level.mesh.x, fraction), dim);
-    try {
-        BoundaryTarget target = target_at(fraction, level.mesh, in_file, frame.to_file(level.ideal, dim), motions,
-                                          placed, problem.shared);
-        prescribe_shared_nodes(level.mesh, target);
-        target.kind = of_whole.kind;
-        std::shared_ptr<SlidingSurfaces> sliding;  // of its own: another mesh's is where the motion ends
-        if (problem.sliding) sliding = surfaces_at(fraction, options, problem, level.mesh, target, motions);
-        finish(level.mesh, frame, sliding.get(), target);
-        return make_constraint(level.mesh, level.ideal, target, kind, sliding);
-    } catch (const InputError&) {  // the motions of two boundaries agree at their ends only
-        return nullptr;
-    }
-}
-
 // target: in the run's frame, placed: in the file's.
 void set_constraint(const ProblemOptions& options, const Problem& problem, const BoundaryTarget& target,
                     const PlacedNodes& placed, Level& level) {
@@ -251,8 +235,23 @@ void set_constraint(const ProblemOptions& options, const Problem& problem, const
         if (options.continuation != Continuation::always) motion = shortest(std::move(motion));
         level.turn = std::max(level.turn, turn(motion));
     }
-    level.constraint_at = [&problem, &level, options, target, kind, motions, placed](double fraction) {
-        return constraint_at(fraction, options, problem, level, target, kind, motions, placed);
+    level.constraint_at = [&problem, &level, options, of_whole = target.kind, kind, motions,
+                           placed](double fraction) -> std::unique_ptr<Constraint> {
+        const Frame& frame = problem.frame;
+        const int dim = level.mesh.dim;
+        const std::vector<double> in_file = frame.to_file(between(level.ideal, level.mesh.x, fraction), dim);
+        try {
+            BoundaryTarget part = target_at(fraction, level.mesh, in_file, frame.to_file(level.ideal, dim), motions,
+                                            placed, problem.shared);
+            prescribe_shared_nodes(level.mesh, part);
+            part.kind = of_whole;
+            std::shared_ptr<SlidingSurfaces> sliding;  // of its own: another mesh's is where the motion ends
+            if (problem.sliding) sliding = surfaces_at(fraction, options, problem, level.mesh, part, motions);
+            finish(level.mesh, frame, sliding.get(), part);
+            return make_constraint(level.mesh, level.ideal, part, kind, sliding);
+        } catch (const InputError&) {  // the motions of two boundaries agree at their ends only
+            return nullptr;
+        }
     };
 }
 
@@ -269,12 +268,6 @@ void set_functional(const ProblemOptions& options, const Problem& problem, const
 }
 
 }  // namespace
-
-void check_split(const ProblemOptions& options, const Mesh& mesh) {
-    if (options.split != Split::never && !mesh.is_simplicial())
-        throw SettingError("split", "split divides triangles and tetrahedra, but the mesh has ", mesh.elements_text(),
-                           ": leave it out");
-}
 
 void move_target(const ProblemSetup& setup, Problem& problem) {
     std::vector<double> ideal;  // in the file's frame, as file_x is

@@ -55,9 +55,6 @@ Problem make_problem(const ProblemSetup& setup, BaseMesh base, std::vector<std::
 Problem begin_problem(const ProblemSetup& setup, BaseMesh base, std::vector<std::string> notes);
 void complete(const ProblemSetup& setup, Problem& problem);
 
-// Throws SettingError where elements are to be split and are no simplices.
-void check_split(const ProblemOptions& options, const Mesh& mesh);
-
 // Gives the problem the target of the motions as they are now, at another time; all else stays.
 void move_target(const ProblemSetup& setup, Problem& problem);
 

@@ -1,5 +1,5 @@
 // Curved meshes that improve makes better by their vertices alone.
-#include "problem/moved_vertices.hpp"
+#include "problem/improve.hpp"
 
 #include <doctest/doctest.h>
 

@@ -15,34 +15,26 @@
 namespace almesh {
 namespace {
 
-void observe_iterates(const Deck& deck, const Problem& problem, Newton& newton, const std::vector<double>& start,
-                      MeshSoFar* so_far) {
-    const bool writes = deck.iterates > 0 && deck.vtk != VtkOutput::none;
-    if (writes) write_iterate(deck, problem, 0, start);
-    newton.observe_iterates([&deck, &problem, writes, so_far](int step, const std::vector<double>& x) {
-        if (writes && step % deck.iterates == 0) write_iterate(deck, problem, step / deck.iterates, x);
-        if (so_far) so_far->keep(*problem.level, x);
-    });
-}
-
 std::string history_of(const Deck& deck) { return deck.output + "/history.csv"; }
-
-// Long runs can be followed, and leave a trace; one that cannot write it now goes on.
-void write_history(const Deck& deck, const IterationTable& report, std::FILE* out) try {
-    write_file(history_of(deck), report.csv());
-} catch (const InputError& failed) {
-    print(out, "note: ", failed.what(), "\n");
-}
 
 SolveObserver observer_of(const Deck& deck, const Problem& problem, IterationTable& report, std::FILE* out,
                           MeshSoFar* so_far) {
     SolveObserver observer = report.observer();
     observer.iteration = [&deck, &report, out](const AlIteration& row) {
         report.add(row);
-        write_history(deck, report, out);
+        try {  // long runs can be followed, and leave a trace; one that cannot write it now goes on
+            write_file(history_of(deck), report.csv());
+        } catch (const InputError& failed) {
+            print(out, "note: ", failed.what(), "\n");
+        }
     };
     observer.begins = [&deck, &problem, so_far](Newton& newton, const std::vector<double>& start) {
-        observe_iterates(deck, problem, newton, start, so_far);
+        const bool writes = deck.iterates > 0 && deck.vtk != VtkOutput::none;
+        if (writes) write_iterate(deck, problem, 0, start);
+        newton.observe_iterates([&deck, &problem, writes, so_far](int step, const std::vector<double>& x) {
+            if (writes && step % deck.iterates == 0) write_iterate(deck, problem, step / deck.iterates, x);
+            if (so_far) so_far->keep(*problem.level, x);
+        });
     };
     return observer;
 }
