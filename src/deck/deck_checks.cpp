@@ -4,7 +4,6 @@
 
 #include "deck/frame_times.hpp"
 #include "deck/so_far.hpp"
-#include "base/error.hpp"
 #include "io/msh.hpp"
 
 namespace almesh {

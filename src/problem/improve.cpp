@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "problem/base_mesh.hpp"
-#include "mesh/part.hpp"
 #include "problem/corner_smoothing.hpp"
 #include "problem/curving.hpp"
 #include "problem/kept_surface.hpp"

@@ -12,13 +12,11 @@
 #include "base/physical_memory.hpp"
 #include "base/text.hpp"
 #include "check/certificate.hpp"
-#include "check/infeasible.hpp"
 #include "constraint/sliding_boundary.hpp"
 #include "constraint/sliding_nodes.hpp"
 #include "energy/mixed_energy.hpp"
 #include "energy/vertex_interpolation.hpp"
 #include "geometry/patch.hpp"
-#include "mesh/mesh.hpp"
 
 namespace almesh {
 namespace {

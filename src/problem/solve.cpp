@@ -13,6 +13,7 @@
 #include "problem/curving.hpp"
 #include "problem/improve.hpp"
 #include "problem/memory.hpp"
+#include "problem/problem.hpp"
 
 namespace almesh {
 namespace {

@@ -5,10 +5,11 @@
 #include <memory>
 
 #include "method/continuation.hpp"
-#include "problem/problem.hpp"
 #include "problem/solution.hpp"
 
 namespace almesh {
+
+struct ProblemSetup;
 
 // The mesh so far, from which a run can go on: kept by whoever starts the run (deck/so_far.hpp).
 class MeshSoFar {

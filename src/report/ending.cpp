@@ -9,10 +9,8 @@
 
 #include "deck/deck_checks.hpp"
 #include "deck/so_far.hpp"
-#include "base/files.hpp"
 #include "base/interrupt.hpp"
 #include "base/table.hpp"
-#include "mesh/unused_ids.hpp"
 
 namespace almesh {
 namespace {

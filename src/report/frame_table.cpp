@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "deck/deck.hpp"
+#include "problem/frame_solver.hpp"
 #include "report/iteration_table.hpp"
 #include "report/results.hpp"
 #include "base/files.hpp"

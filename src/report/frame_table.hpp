@@ -7,11 +7,12 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "problem/frame_solver.hpp"
 
 namespace almesh {
 
 struct Deck;
+struct FramesBefore;
+struct Problem;
 
 // How the nodes go from the frame before to this one, each on a straight line.
 namespace frame_path {

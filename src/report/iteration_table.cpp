@@ -6,7 +6,7 @@
 #include <type_traits>
 
 #include "base/table.hpp"
-#include "method/continuation.hpp"
+#include "problem/solve.hpp"
 
 namespace almesh {
 namespace {

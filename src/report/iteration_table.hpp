@@ -12,9 +12,12 @@
 #include <vector>
 
 #include "base/text.hpp"
-#include "problem/solve.hpp"
+#include "problem/solution.hpp"
 
 namespace almesh {
+
+struct SolveObserver;
+struct Stage;
 
 std::string history_heading();
 std::vector<Named> history_columns();  // for the list of keys

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "problem/solution.hpp"
+#include "problem/frame_solver.hpp"
 #include "base/files.hpp"
 #include "base/text.hpp"
 

@@ -9,11 +9,13 @@
 #include <vector>
 
 #include "deck/deck.hpp"
-#include "problem/frame_solver.hpp"
 #include "check/swept_volumes.hpp"
 #include "io/vtk.hpp"
 
 namespace almesh {
+
+struct Moment;
+struct Problem;
 
 // Displacement and velocities at the last moment, where the deck wants them. At the first moment the velocities are 0,
 // and at the second v_2 is v_1.

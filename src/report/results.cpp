@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include "base/version.hpp"
 #include "deck/deck_checks.hpp"

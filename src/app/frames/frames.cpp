@@ -18,6 +18,7 @@
 #include "deck/frame_times.hpp"
 #include "deck/make_problem.hpp"
 #include "problem/frame_solver.hpp"
+#include "problem/solve.hpp"
 #include "report/frame_table.hpp"
 #include "report/iteration_table.hpp"
 #include "report/mesh_velocity.hpp"
