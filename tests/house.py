@@ -19,10 +19,10 @@ SRC = ROOT / "src"
 # Rooms, each of which includes only itself and those above it.
 ROOMS = {
     "base": 1580, "linalg": 4904, "mesh": 4456, "geometry": 2014, "energy": 3375, "constraint": 4121, "method": 2925,
-    "check": 2668, "io": 2621, "problem": 4313, "deck": 1624, "report": 1850, "app": 1419,
+    "check": 2668, "io": 2621, "problem": 4249, "deck": 1624, "report": 1850, "app": 1419,
 }
-MOST = {"src/ without lessons and examples": 38667, "src/examples": 900, "src/lessons": 6000, "README.md": 180,
-        "Newton::minimise()": 30, "include depth": 8, "a file": 490, "includes beyond the line": 10}
+MOST = {"src/ without lessons and examples": 38371, "src/examples": 900, "src/lessons": 6000, "README.md": 180,
+        "Newton::minimise()": 30, "include depth": 8, "a file": 490, "includes beyond the line": 14}
 # topic: most files, most lines, the files: both of `name.*` where there are two.
 TOPICS = {
     "Algorithm 1": (7, 831, "method/augmented_lagrangian.* method/schedule.hpp method/status.hpp method/functional.hpp "
@@ -34,7 +34,7 @@ TOPICS = {
                                "energy/densities.hpp energy/options.hpp "
                                "energy/element_rules.hpp base/small_matrix.hpp"),
     "prescribed positions": (5, 712, "constraint/constraint.hpp constraint/dirichlet.* constraint/trace_space.*"),
-    "driver, from main to minimise": (16, 2186, "main.cpp app/commands.hpp app/command_line.cpp app/run/run.cpp "
+    "driver, from main to minimise": (16, 2173, "main.cpp app/commands.hpp app/command_line.cpp app/run/run.cpp "
                                       "deck/make_problem.* problem/problem.* problem/solve.* method/levels.* "
                                       "method/p_norm.* method/continuation.*"),
 }
