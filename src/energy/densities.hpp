@@ -11,10 +11,10 @@
 //     ShapeAndSize  r = that of Shape times (sigma_delta + 1/sigma_delta) / 2
 //     Tangled       r = that of Shape,   S = |F|^2 + n
 //
-// Shape is 1 for a rotation times a scaling; with the size factor of Garanzha, Kaporin, Kudryavtseva, Protais, Ray,
-// Sokolov ("Foldover-free maps in 50 lines of code", ACM TOG 40, 2021) only rotations have 1. Both grow without bound
-// towards D = 0; with delta = 0 they are infinite for D <= 0, so that no line search accepts an inverted element.
-// With delta, Shape is 0 for an element that is a point; Tangled is large there, as the energy of the paper above is.
+// Shape is 1 for a rotation times a scaling; ShapeAndSize, with the size factor of Garanzha, Kaporin, Kudryavtseva,
+// Protais, Ray, Sokolov ("Foldover-free maps in 50 lines of code", ACM TOG 40, 2021), for rotations only. Both tend to
+// infinity as D falls to 0; with delta = 0 they are infinite for D <= 0, so that no line search accepts an inverted
+// element. With delta > 0, Shape is 0 for an element that is a point; Tangled is large there, as in that reference.
 //
 // A density is a struct with the measure that it is a function of, f with two derivatives, and f'/2 at the eta where f
 // has a given value (which scales the damping of Newton's method). f must be increasing and convex for eta >= 1. To

@@ -86,7 +86,7 @@ struct FrameHessian {
     Mat<n, Lanes> U, V, scaling, mixed, crossed;
 };
 
-// With its negative eigenvalues times kept_negative. F must have finite distortion.
+// The Hessian by F, its negative eigenvalues times kept_negative. F must have finite distortion.
 template <int n, class Density>
 FrameHessian<n> projected_in_frame(const Mat<n, Lanes>& F, const Density& density, double delta,
                                    double kept_negative) {
@@ -125,7 +125,7 @@ FrameHessian<n> projected_in_frame(const Mat<n, Lanes>& F, const Density& densit
     return H;
 }
 
-// It with respect to J = F A: u_i v_j^T becomes u_i w_j^T with W = A^{-1} V. Times `weight`.
+// The same Hessian with respect to J = F A: u_i v_j^T becomes u_i w_j^T with W = A^{-1} V. Times `weight`.
 template <int n>
 Tensor<n> in_element_coordinates(const FrameHessian<n>& H, const Mat<n, Lanes>& ideal_inverse, Lanes weight) {
     const Mat<n, Lanes> W = multiply<n>(ideal_inverse, H.V), transposed = transpose<n>(H.U);

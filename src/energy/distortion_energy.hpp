@@ -12,10 +12,10 @@
 // textbook assembly, made to be read; simd_energy.hpp, the one that runs use, tested against it. That of a mesh with
 // several types is their sum (mixed_energy.hpp).
 //
-// Damping. Where the Hessian is a bad model, what keeps a step from inverting small elements is the Hessian of the
-// integral of eta^2 with weights w'_e |e| proportional to |e|^{3/(2n)}: linear elasticity, stiffer where the mesh is
-// finer, so that small elements move almost rigidly and large ones deform (as in mesh moving by stiffened elasticity:
-// Stein, Tezduyar, Benney, J. Appl. Mech. 70, 2003). A damped Hessian is that of w f + t w' eta^2: a density again.
+// Damping. If the Hessian is a poor model, steps are kept from inverting small elements by adding the Hessian of the
+// integral of eta^2 with weights w'_e |e| proportional to |e|^min(3/(2n), alpha): linear elasticity, stiffer where the
+// mesh is finer, so that small elements move almost rigidly and large ones deform (Stein, Tezduyar, Benney,
+// J. Appl. Mech. 70, 2003). A damped Hessian is that of w f + t w' eta^2: a density again.
 //
 // Evaluations use work space of the object: one call at a time.
 #pragma once
@@ -33,7 +33,7 @@
 
 namespace almesh {
 
-// Of eta of Eq. 1 itself, without regularisation: infinite for inverted elements.
+// Of eta without regularisation (Eq. 1), which is infinite for inverted elements.
 struct DistortionStatistics {
     double relative_quality = 0;      // q = |1| / |M phi|, norms over the ideal mesh
     double max_distortion = 0;        // over quadrature points, element nodes among them
@@ -52,13 +52,13 @@ public:
     virtual void add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H,
                              const Projection& projection = {}) = 0;
     BlockCsr hessian_pattern() const;  // all values zero
-    // From now on with the rows of the Hessian in the order that `choose` makes of its pattern; none: as they are.
+    // Reorders the rows of the Hessian as `choose` says for its pattern; null leaves them as they are.
     using ChooseOrder = std::function<std::shared_ptr<const RowOrder>(const BlockCsr& pattern)>;
     void order_hessian(const ChooseOrder& choose);
     virtual DistortionStatistics statistics(const std::vector<double>& x) = 0;
 
-    // Restricted to the nodes with moves[i]: the energy of the elements around them, with the same weights; around: on
-    // return these, in this energy's order. x: node_count x dim, positions by which elements are ordered.
+    // Restriction to the nodes with moves[i]: the energy of the elements at these nodes, with the same weights. around:
+    // on return these, in this energy's order. x: node_count x dim, positions that order the elements.
     virtual std::unique_ptr<DistortionEnergy> part(const std::vector<double>& x, const std::vector<char>& moves,
                                                    Restriction& around) const = 0;
 
@@ -66,11 +66,11 @@ public:
     double domain_volume() const { return volume_; }
     // The energy of a mesh with the distortion eta everywhere.
     double uniform(double eta) const;
-    // The scale of the damping at an energy: f'/2 at the eta whose density is the mean; the root mean square of eta or
-    // eta - 1 for the densities that are squares.
+    // Scale of the damping at an energy: f'/2 at the eta for which f is the mean density; for squares the root mean
+    // square of eta or eta - 1.
     double mean_slope(double energy) const;
 
-    // Another power in the density, or another regularisation, from now on.
+    // Changes the power of the density, or the regularisation.
     virtual void set_power(const PowerParams& power) { params_.power = power; }
     const PowerParams& power() const { return params_.power; }
     virtual void set_delta(double delta) { params_.delta = delta; }

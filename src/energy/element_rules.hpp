@@ -2,8 +2,7 @@
 //
 // The energy sees curved elements at the points of its quadrature only. valid_fraction() tells how far a step may go
 // (valid_step.hpp), and elements that it would have inverted unseen get a finer rule (refined_rule.hpp) when refine()
-// is called, for good. An assembly of the energy asks for the rule of an element and does not know why it is what it
-// is.
+// is called, for good. The assembly of the energy asks for the rule of an element without knowing its history.
 #pragma once
 #include <memory>
 #include <utility>
@@ -21,7 +20,7 @@ struct ElementRule {
 
 struct RefinedQuadrature;  // an ElementRule, and how it was made: refined_rule.hpp
 
-// Where elements came near inverting: what rules have been refined for so far, and what they will be for next.
+// Near inversions of elements: those for which rules were refined, and those for the next refinement.
 struct QuadratureState {
     std::vector<Inversion> refinements, inversions;
 };
@@ -34,12 +33,12 @@ public:
     };
 
     ElementRules(const CellType& cell, int degree, int exactness);
-    // Of some elements: place[e] is the number here of element e there. Nothing has been refined there yet.
+    // Restriction to some elements: element e there is place[e] here. It takes over their rules, but not state().
     ElementRules part(const std::vector<int>& place) const;
 
     const ReferenceElement& common() const { return common_->reference; }
     const ElementRule& of(int element) const;
-    const std::vector<Refined>& refined() const { return refined_; }  // elements with another one, the oldest first
+    const std::vector<Refined>& refined() const { return refined_; }  // elements with a finer rule, oldest first
 
     // The largest s <= 1 found so that all elements are valid along (1 - r) x + r to for 0 <= r <= s. nodes: count x m.
     // Notes where elements would invert.
@@ -54,7 +53,7 @@ public:
     // The refinements of a part since it was made. Whether there are any.
     bool take_over(const ElementRules& part);
     const QuadratureState& state() const { return state_; }
-    void set_state(const QuadratureState& state);  // of one that has no refinements or the first of these
+    void set_state(const QuadratureState& state);  // its refinements must begin with those here
 
 private:
     const CellType* cell_;

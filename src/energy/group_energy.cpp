@@ -9,7 +9,7 @@
 namespace almesh {
 namespace {
 
-// 0 where it is not positive somewhere.
+// 0 if det A is not positive at some point.
 template <int n>
 double mean_jacobian(const int* node, const std::vector<double>& y, const ReferenceElement& reference) {
     double sum = 0;
@@ -21,8 +21,8 @@ double mean_jacobian(const int* node, const std::vector<double>& y, const Refere
     return sum / reference.cell->volume();
 }
 
-// Of |e| in w_e |e| and w'_e |e|: alpha; and 3/(2n), in 2D and 3D the power 3/2 of the element's size, or alpha if that
-// is less.
+// Exponents of |e| in w_e |e| and w'_e |e|: alpha; and 3/(2n), which is the power 3/2 of the element's size, or alpha
+// if that is less.
 std::array<double, 2> weight_exponents(const DistortionParams& params, int dim) {
     return {params.weight_exponent, std::min(1.5 / dim, params.weight_exponent)};
 }
@@ -64,7 +64,7 @@ double GroupEnergy::hessian_work() const {
     return (of_density + of_entry * entries) * points;
 }
 
-// The weights were det A^a = (|e| / v)^a, v the volume of the reference cell, where |e|^a / v was meant.
+// So far the weights are det A^a = (|e| / v)^a, v the volume of the reference cell, instead of |e|^a / v.
 void GroupEnergy::normalise_weights(const std::array<double, 2>& factor) {
     scale_weights(factor);
     const std::array<double, 2> exponents = weight_exponents(params_, dim_);
@@ -79,18 +79,18 @@ void GroupEnergy::use_pattern_of_mesh(const LargeVector<int>& place) {
 
 IdealElement ideal_element(const Mesh& mesh, int e, const std::vector<double>& ideal, const DistortionParams& params,
                            const ReferenceElement& reference) {
-    IdealElement of{};
+    IdealElement result{};
     with_dimension(mesh.dim, [&](auto n) {
         const Mat<n> A = params.regular.empty() ? straight_jacobian<n>(mesh.element(e), ideal)
                                                 : regular_jacobian<n>(mesh.cell(e), params.regular[e]);
         const Mat<n> inverse_of_A = inverse<n>(A);
         const std::array<double, 2> exponents = weight_exponents(params, mesh.dim);
-        of.jacobian = params.curved_ideal ? mean_jacobian<n>(mesh.element(e), ideal, reference) : determinant(A);
-        of.weight = std::pow(of.jacobian, exponents[0]);
-        of.damping_weight = std::pow(of.jacobian, exponents[1]);
-        for (int i = 0; i < n; ++i) std::copy_n(inverse_of_A[i].begin(), n(), &of.inverse[i * n]);
+        result.jacobian = params.curved_ideal ? mean_jacobian<n>(mesh.element(e), ideal, reference) : determinant(A);
+        result.weight = std::pow(result.jacobian, exponents[0]);
+        result.damping_weight = std::pow(result.jacobian, exponents[1]);
+        for (int i = 0; i < n; ++i) std::copy_n(inverse_of_A[i].begin(), n(), &result.inverse[i * n]);
     });
-    return of;
+    return result;
 }
 
 void refuse_ideal_element(const Mesh& mesh, int e) {

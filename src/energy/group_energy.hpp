@@ -37,8 +37,8 @@ public:
     double nodes_in_elements() const override { return static_cast<double>(element_count_) * reference_.nodes; }
     double hessian_work() const override;
 
-    // As one of several groups of a mesh: w_e and w'_e are these numbers times |e|^(alpha - 1) and its like, to be
-    // multiplied by factors; and the Hessian gets the pattern of the mesh, block b of pattern() being place[b] there.
+    // For a mesh with several groups: w_e and w'_e are these units times |e|^(alpha - 1) and the like, and can be
+    // scaled; the Hessian takes the pattern of the mesh, in which block b of pattern() is block place[b].
     int element_count() const { return element_count_; }
     const std::array<double, 2>& weight_units() const { return weight_units_; }
     virtual void scale_weights(const std::array<double, 2>& factor) = 0;
@@ -49,7 +49,7 @@ public:
 protected:
     // mesh: of one type of elements.
     GroupEnergy(const DistortionParams& params, const Mesh& mesh, const std::vector<double>& ideal);
-    // Of some elements of another one: place[e] is the number there of element e here, node[i] that of node i.
+    // Restriction of `whole`: element e and node i here are element place[e] and node node[i] there.
     GroupEnergy(const GroupEnergy& whole, const std::vector<int>& place, const std::vector<int>& node);
     const int* element(int e) const { return &nodes_[offset(e, reference_.nodes)]; }
     bool is_linear() const { return reference_.degree == 1 && reference_.cell->is_simplex(); }

@@ -34,9 +34,9 @@ MixedEnergy::MixedEnergy(const Mesh& mesh, const std::vector<double>& ideal, con
                          const std::vector<char>& infeasible)
     : DistortionEnergy(params, mesh.dim) {
     std::array<double, 2> sum{};
-    for (const ElementGroup& of : mesh.element_groups())
+    for (const ElementGroup& cells : mesh.element_groups())
         for (const bool is_infeasible : {false, true}) {
-            std::vector<int> elements = elements_of(of);
+            std::vector<int> elements = elements_of(cells);
             std::erase_if(elements, [&](int e) {
                 return is_infeasible != (!infeasible.empty() && infeasible[e]);
             });
@@ -92,12 +92,12 @@ DistortionStatistics MixedEnergy::statistics(const std::vector<double>& x) {
     all.element_max.resize(count);
     double volume = 0, squared_norm = 0;  // |M phi|^2
     every_group([&](GroupEnergy& energy, const Group& group) {
-        const DistortionStatistics of = energy.statistics(x);
-        for (std::size_t k = 0; k < group.element.size(); ++k) all.element_max[group.element[k]] = of.element_max[k];
+        const DistortionStatistics local = energy.statistics(x);
+        for (std::size_t k = 0; k < group.element.size(); ++k) all.element_max[group.element[k]] = local.element_max[k];
         if (group.is_infeasible) return;
         volume += energy.domain_volume();
-        squared_norm += energy.domain_volume() / (of.relative_quality * of.relative_quality);
-        all.max_distortion = std::max(all.max_distortion, of.max_distortion);
+        squared_norm += energy.domain_volume() / (local.relative_quality * local.relative_quality);
+        all.max_distortion = std::max(all.max_distortion, local.max_distortion);
     });
     all.relative_quality = std::sqrt(volume / squared_norm);
     return all;
@@ -159,9 +159,9 @@ bool MixedEnergy::take_over_refinements(const DistortionEnergy& part) {
 QuadratureState MixedEnergy::quadrature() const {
     QuadratureState all;
     every_group([&](const GroupEnergy& energy, const Group& group) {
-        QuadratureState of = energy.quadrature();
+        QuadratureState of_group = energy.quadrature();
         for (const auto list : {&QuadratureState::refinements, &QuadratureState::inversions})
-            for (Inversion inversion : of.*list) {
+            for (Inversion inversion : of_group.*list) {
                 inversion.element = group.element[inversion.element];
                 (all.*list).push_back(inversion);
             }
@@ -171,15 +171,15 @@ QuadratureState MixedEnergy::quadrature() const {
 
 void MixedEnergy::set_quadrature(const QuadratureState& state) {
     every_group([&](GroupEnergy& energy, const Group& group) {
-        QuadratureState of;
+        QuadratureState of_group;
         for (const auto list : {&QuadratureState::refinements, &QuadratureState::inversions})
             for (Inversion inversion : state.*list) {
-                const auto at = std::lower_bound(group.element.begin(), group.element.end(), inversion.element);
-                if (at == group.element.end() || *at != inversion.element) continue;
-                inversion.element = static_cast<int>(at - group.element.begin());
-                (of.*list).push_back(inversion);
+                const auto place = std::lower_bound(group.element.begin(), group.element.end(), inversion.element);
+                if (place == group.element.end() || *place != inversion.element) continue;
+                inversion.element = static_cast<int>(place - group.element.begin());
+                (of_group.*list).push_back(inversion);
             }
-        energy.set_quadrature(of);
+        energy.set_quadrature(of_group);
     });
 }
 

@@ -2,7 +2,7 @@
 // reference element and rules. Gradient and Hessian are added one group after the other.
 //
 // Infeasible elements, which need not be valid, are groups of their own. Their density is eta^2 of Tangled with a fixed
-// delta: finite wherever they go, so that they cut no step. Norms and largest values are those of the other elements.
+// delta, finite at all positions, so that they never shorten a step. Norms and maxima are of the other elements only.
 #pragma once
 #include <memory>
 #include <vector>
@@ -51,12 +51,12 @@ public:
     }
 
 private:
-    // Of some elements of another one: groups[g] of those of groups_[g] there, or none.
     struct Group {
-        std::unique_ptr<GroupEnergy> energy;  // of a part: nullptr where it has none of the group's elements
+        std::unique_ptr<GroupEnergy> energy;  // null in a restriction without elements of the group
         bool is_infeasible;
-        std::vector<int> element;  // the numbers in the mesh of its elements
+        std::vector<int> element;  // numbers of its elements in the mesh
     };
+    // A restriction of `whole`: groups[g] has elements of groups_[g] there, or none.
     MixedEnergy(const MixedEnergy& whole, std::vector<Group> groups);
 
     std::vector<Group> groups_;

@@ -27,9 +27,9 @@ struct DistortionParams {
     int exactness = 0;           // of the quadrature for p > 1; 0: default_exactness(degree)
     Assembly assembly = Assembly::simd;
     PowerParams power = {};
-    bool curved_ideal = false;  // A of each point of the ideal element, not of its vertices
-    // Volume per element: each has an ideal element of its own, the regular cell of its type of this volume, instead
-    // of that in the ideal mesh; empty: none has.
+    bool curved_ideal = false;  // A varies over the ideal element
+    // Per element the volume of its ideal element, which then is the regular cell of its type, not the element of the
+    // ideal mesh; empty: elements of the ideal mesh.
     std::vector<double> regular = {};
 };
 

@@ -63,7 +63,7 @@ struct ElementPoint {
     const int* node;               // m
     const double* gradient;        // m x n: dN_i/dy_k on the ideal element
     Mat<n> F;
-    double w, damping_w, volume;  // of the point in E, with w'_e for w_e, and in an integral over the ideal mesh
+    double w, damping_w, volume;  // weights in E, in the damping, and in an integral over the ideal mesh
 };
 
 }  // namespace
@@ -80,17 +80,17 @@ PlainEnergy::PlainEnergy(const Mesh& mesh, const std::vector<double>& ideal, con
     }
     volume_ = jacobians * reference_.cell->volume();
     double weights = 0, damping_weights = 0;
-    for (const IdealElement& of : ideal_) {
-        weights += of.weight;
-        damping_weights += of.damping_weight;
+    for (const IdealElement& entry : ideal_) {
+        weights += entry.weight;
+        damping_weights += entry.damping_weight;
     }
     normalise_weights({jacobians / weights, jacobians / damping_weights});
 }
 
 void PlainEnergy::scale_weights(const std::array<double, 2>& factor) {
-    for (IdealElement& of : ideal_) {
-        of.weight *= factor[0];
-        of.damping_weight *= factor[1];
+    for (IdealElement& entry : ideal_) {
+        entry.weight *= factor[0];
+        entry.damping_weight *= factor[1];
     }
 }
 

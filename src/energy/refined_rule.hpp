@@ -1,15 +1,15 @@
 // The quadrature of one element that came near inverting between the points of its rule.
 //
-// The integral of the distortion is infinite for an inverted element, its sum over points is not: nothing keeps a
-// minimiser of the sum from inverting the element between them. So where a step would (valid_step.hpp), the element is
-// cut into pieces that get smaller towards that position, with the element's rule on each. The points of the rule at
-// the nodes of a piece make the energy infinite where the element inverts there. Pieces are products of simplices as
-// the cell is; those of a pyramid are boxes in its collapsed coordinates, with the rule of a hexahedron and (1 - c)^2.
+// The integral of the distortion is infinite for an inverted element, its quadrature sum is not: nothing keeps a
+// minimiser of the sum from inverting the element between the points. If a step would do so (valid_step.hpp), the
+// element is cut into pieces that get smaller towards that position, with the element's rule on each. The points of the
+// rule at the nodes of a piece make the energy infinite if the element inverts there. Pieces are products of simplices,
+// as the cell is; those of a pyramid are boxes in its collapsed coordinates, with a hexahedron's rule and (1 - c)^2.
 //
-// In 3D a barrier takes more: where det F falls to zero like the distance r from a point, eta^2 grows like r^(-4/3),
-// whose integral over the element is finite. Where small elements weigh little, minimisers do touch such points, and
+// In 3D this is no barrier yet: if det F falls to zero like the distance r from a point, eta^2 grows like r^(-4/3),
+// whose integral over the element is finite. If small elements weigh little, minimisers do reach such points, and
 // Newton's method creeps towards them without end. So a piece of size s weighs s^(4/3), not its volume s^3: what it
-// adds where det F is about s does not vanish with s. In 2D, r^(-2) is not integrable, and a piece weighs its area.
+// adds if det F is about s does not vanish with s. In 2D, r^(-2) is not integrable, and a piece weighs its area.
 #pragma once
 #include <array>
 #include <utility>

@@ -23,11 +23,11 @@ constexpr int batches_per_task = 64;             // at most, of others few enoug
 constexpr int curved_tasks = 64;                 // for so many tasks: one of them may take long
 constexpr double work = 20, curved_work = 1000;  // of an element, in simple operations
 constexpr double near_inversion = 0.1;           // ratio of the determinant to its mean
-constexpr double keeps = 0.2;                    // of an element's least determinant, at least, in one step,
-constexpr double nearest_inversion = 1e-6;       // but nearer no element comes: what is left is far above rounding
+constexpr double keeps = 0.2;                    // fraction of its least determinant that an element keeps in one step,
+constexpr double nearest_inversion = 1e-6;       // and the least ratio that it can reach, far above rounding
 
-// b: Bernstein coefficients on an interval of s of length `length`, the first of them above the bound. A length up to
-// which the polynomial is above it: `length`, or less by a thousandth of the interval than where it is not.
+// b: Bernstein coefficients on an interval of s, the first above the bound. Returns a length up to which the polynomial
+// is above the bound: `length`, or short of the first crossing by at most a thousandth of the interval.
 template <int n>
 double positive_until(std::array<double, n + 1> b, double bound, double length = 1, int depth = time_bisections) {
     if (std::all_of(b.begin(), b.end(), [bound](double c) { return c > bound; })) return length;
@@ -98,7 +98,7 @@ public:
         least_ = element.unit() * std::max(part, std::min(0.999 * least, nearest_inversion * average));
     }
 
-    // As far as it is valid from s0 to s1, if it is at s0; else s0.
+    // The largest s found up to which it is valid from s0 to s1, if so at s0.
     double until(double s0, double s1, int depth) {
         if (valid_between(s0, s1)) return s1;
         if (depth == 0) return s0;
@@ -146,7 +146,7 @@ private:
     }
 };
 
-// Lanes that have no coefficient below any bound of what is tested one by one, with twice its margin for rounding.
+// Lanes whose coefficients pass all bounds of SlowCheck, with twice its margin for rounding.
 template <int n>
 LaneBits cleared(const JacobianBasis& basis, const int* const* node, const std::vector<double>& from,
                  const std::vector<double>& to) {

@@ -13,7 +13,7 @@ namespace {
 
 double square(double v) { return v * v; }
 
-// The difference of two numbers that overflow is none: it counts as too large as well.
+// The difference of two numbers that overflow is nan: it counts as infinite.
 double or_infinity(double v) { return std::isnan(v) ? std::numeric_limits<double>::infinity() : v; }
 
 // The row of iteration k, whose subproblem ended at x.
@@ -31,14 +31,14 @@ AlIteration row_of(const AugmentedFunctional& E, const std::vector<double>& x, D
     return row;
 }
 
-// cold: without multipliers, from the ideal mesh. by_gradient: the constraint holds, and the gain of the last steps was
-// too small to be seen, so that only |grad E| tells how near the minimum is.
+// cold: x is the ideal mesh, without multipliers. by_gradient: the constraint holds and the last steps hardly decreased
+// E, so that only |grad E| measures the distance from the minimum.
 NewtonParams subproblem(const AugmentedLagrangianParams& params, const Schedule& s, bool cold, bool by_gradient,
                         bool from_coarser, const AugmentedFunctional& E) {
     constexpr int most_unseen_steps = 20;
-    constexpr double useless_distortion = 20;  // meshes with that everywhere are of no use to anyone
-    constexpr double visible = 3e-7;  // of what E gains from a distortion of 2 everywhere to none,
-    constexpr double visible_of_largest = 1e-3;  // or of the largest eta - 1, of which a power is minimised
+    constexpr double useless_distortion = 20;  // a mesh with this distortion everywhere is useless
+    constexpr double visible = 3e-7;  // decrease of E, over the difference of E for a uniform distortion of 2 and of 1,
+    constexpr double visible_of_largest = 1e-3;  // or, with a power p > 2, relative decrease of the largest eta - 1
     const DistortionEnergy& distortion = E.distortion;
     NewtonParams newton;
     newton.omega = s.omega;
@@ -57,8 +57,8 @@ NewtonParams subproblem(const AugmentedLagrangianParams& params, const Schedule&
     return newton;
 }
 
-// The constraint stands still (to 10 %) for `updates` iterations in a row although each had a larger penalty; only for
-// mu >= |1|^2: below, the penalty is no match for the distortion, and stagnation tells nothing.
+// Whether |P c_D| fell by at most 10 % in each of the last `updates` iterations although each had a larger penalty.
+// Only for mu >= |1|^2: a smaller penalty is too weak against the distortion for stagnation to mean anything.
 bool constraint_stalls(const std::vector<AlIteration>& rows, std::size_t updates, double one_squared) {
     if (rows.size() < updates + 2) return false;
     for (std::size_t k = rows.size() - updates; k < rows.size(); ++k)
@@ -68,14 +68,14 @@ bool constraint_stalls(const std::vector<AlIteration>& rows, std::size_t updates
     return true;
 }
 
-// |grad E| <= omega*, or as small as rounding lets it be.
+// |grad E| <= omega*, or at its attainable accuracy and <= omega0.
 bool is_stationary(const AlIteration& row, const AugmentedLagrangianParams& params) {
     if (row.gradient_norm <= params.omega_star) return true;
     return row.newton_status == Status::attainable_accuracy && row.gradient_norm <= params.omega0;
 }
 
-// How the method fails after the last of `rows`: ends although line 7 would go on, or the other way round. Nothing
-// where it goes on, and where it has converged. ends: by line 7.
+// The failure after the last of `rows`, or nothing if the method goes on or has converged. It fails if it stops
+// although line 7 goes on, or if line 7 stops it before both of its tests hold. ends: by line 7.
 std::optional<Status> failure(const std::vector<AlIteration>& rows, const AugmentedLagrangianParams& params,
                               double one_squared, bool constrained, bool stationary, bool ends) {
     if (ends && constrained && stationary) return std::nullopt;
@@ -129,7 +129,7 @@ AlResult minimise(DistortionEnergy& distortion, Constraint& constraint, Newton& 
     };
     const auto c_squared = [&rows] { return square(rows.back().projected_constraint_norm); };
     const auto boundary_error = [&rows] { return rows.back().relative_boundary_error; };
-    bool settled = false;  // as many steps by |grad E| alone as are tried, or as E can tell: see subproblem()
+    bool settled = false;  // a subproblem by_gradient ran out of steps or found none: see subproblem()
     const auto stationary = [&] { return settled || is_stationary(rows.back(), params); };
 
     AugmentedFunctional E{distortion, constraint, start.lambda, 0};
@@ -141,7 +141,7 @@ AlResult minimise(DistortionEnergy& distortion, Constraint& constraint, Newton& 
         return c_squared() <= params.epsilon_star && boundary_error() <= s.wall_tolerance;
     };
     observe();
-    // The gradient of E is known from the first subproblem on only: row 0 does not end the loop.
+    // Row 0 cannot end the loop: the gradient of E is known only after the first subproblem.
     while (rows.size() == 1 || !s.ends(constrained(), stationary())) {                    //  7
         const bool cold = rows.size() == 1 && start.lambda.empty();
         const bool by_gradient = rows.back().newton_status == Status::no_visible_gain && constrained();

@@ -36,8 +36,8 @@ struct AlResult {
     int earlier_newton_iterations = 0;  // of earlier load increments and given-up attempts (continuation.hpp)
 };
 
-// How it ended, for reports: no_visible_gain where it counts as converged, since steps gain next to nothing, but
-// |grad E| is above omega_star after as many as are tried.
+// The status for reports: no_visible_gain if the run counts as converged because its last steps hardly decreased E,
+// although |grad E| is still above omega_star.
 inline Status outcome(const AlResult& al) {
     const bool settled = !al.iterations.empty() && al.iterations.back().newton_status == Status::no_visible_gain;
     return settled && al.status == Status::converged ? Status::no_visible_gain : al.status;
@@ -51,17 +51,17 @@ inline Status status_of(const NewtonResult& solved, double omega0) {
 struct AlObserver {
     std::function<void(const AlIteration&)> iteration;
     std::function<void(int al_iteration, const NewtonStep&)> newton_step;
-    // After every iteration: of the next subproblem. mu: in units of |1|^2.
+    // Called after every iteration, for the next subproblem. mu: in units of |1|^2.
     std::function<void(const std::vector<double>& lambda, double mu)> multipliers = {};
 };
 
-// Where the method starts: by default without knowledge, else from what a run on a coarser mesh has found.
+// Initial multipliers and penalty: by default zero and the schedule's, else those of a coarser mesh.
 struct AlStart {
     std::vector<double> lambda;  // empty: zero
     double mu = 0;               // in units of |1|^2; 0: that of the schedule
     bool from_coarser = false;   // whether x is the solution of a coarser mesh or a lower degree, interpolated
 
-    // From another mesh than the ideal one: nothing begins anew.
+    // Near the solution: lambda = 0, but not empty, so this is no cold start.
     static AlStart from_near(const Constraint& constraint, double mu = 0) {
         return {std::vector<double>(constraint.multipliers(), 0.0), mu};
     }
@@ -69,11 +69,11 @@ struct AlStart {
 
 void add_counts(const NewtonResult& solved, AlResult& result);
 
-// Sets what a row tells of the mesh at x: its constraint and its distortion.
+// Sets the entries of a row that depend on x alone: constraint norms and distortion.
 void measure(DistortionEnergy& distortion, Constraint& constraint, const std::vector<double>& x,
              DistortionStatistics& statistics, AlIteration& row);
 
-// The row of the mesh at x, nothing minimised yet.
+// The row of the mesh at x, before any minimisation.
 AlIteration measured(DistortionEnergy& distortion, Constraint& constraint, const std::vector<double>& x,
                      DistortionStatistics& statistics);
 

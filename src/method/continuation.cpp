@@ -1,6 +1,6 @@
 // x_0 = ideal mesh; for t = dt, 2 dt, ..., 1: x_t solves the problem at the fraction t of the motion, from x_{t - dt};
-// a run that goes on begins at the fraction where it stood. Where an increment fails, dt is halved, and the whole motion
-// is tried at once, unless it has been; at last, from a mesh with the boundary at its target.
+// a resumed run begins at the fraction that it had reached. If an increment fails, dt is halved; if that does not help,
+// the whole motion is tried at once, unless it has been, and at last from a mesh with the boundary at its target.
 #include "method/continuation.hpp"
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace almesh {
 namespace {
 
 constexpr double increment_turn = 90;  // degrees turned in one increment
-constexpr double most_at_once = 180;  // beyond, the target does not tell how it is reached
+constexpr double most_at_once = 180;  // beyond, the direction of the turn is ambiguous
 constexpr double least_increment = 1.0 / 32;
 constexpr int most_steps = 100;  // Newton steps of a subproblem that is not the last resort,
 constexpr int most_steps_of_all = 500;  // and of all increments
@@ -121,10 +121,10 @@ struct Ways {
         if (!goes_on) x = level.ideal, standing.lambda.clear(), standing.mu = 0;
         const bool ended = in_increments(goes_on ? standing.fraction : 0, size, goes_on ? start : AlStart(), last);
         AlResult result;
-        if (ended || (last && level.turn > most_at_once)) {  // at once it would go the shorter way
+        if (ended || (last && level.turn > most_at_once)) {  // at once, it would turn the shorter way
             result = std::move(*last);
             if (!ended) result.status = Status::stalled;
-        } else if (at_once_failed) {  // with more steps it would end alike
+        } else if (at_once_failed) {  // more steps would not help
             x = std::move(x_failed);
             result = std::move(*at_once_failed);
         } else {  // the last resort but one

@@ -39,7 +39,7 @@ struct Level {
     std::function<std::unique_ptr<Constraint>(double fraction)> constraint_at = {};
     double turn = 0;
 
-    bool is_worth_little = false;  // among coarser meshes: tried at once, in a few steps
+    bool is_worth_little = false;  // a coarser mesh: solved at once, in few steps
 
     bool is_valid(const std::vector<double>& x) const;  // certified everywhere in every element
     std::vector<char> on_boundary() const;              // per node: whether the constraint acts on it
@@ -47,15 +47,15 @@ struct Level {
     std::vector<double> with_boundary(const std::vector<double>& targets, std::vector<double> x) const;
 };
 
-// What the method came to in a stage: a row of the report.
+// The result of one stage: a row of the report.
 struct Stage {
     int nodes = 0;
-    Status status = Status::converged;  // where it is not, what follows does not start from here
+    Status status = Status::converged;  // else the next stage does not start from this one
     AlIteration last;  // its last iteration; seconds: with making the mesh, its target and the pattern of its matrix
     int newton_iterations = 0;
     double fraction = 1;  // of the motion
     int power = 0;        // of eta - 1, where it is one of several (p_norm.hpp)
-    std::string part = {};  // of the mesh, solved by itself: which, and what its boundary does
+    std::string part = {};  // a part of the mesh, solved alone: its place and its boundary
 };
 
 using StageObserver = std::function<void(const Stage&)>;
@@ -63,16 +63,16 @@ using StageObserver = std::function<void(const Stage&)>;
 // Where a run stands, besides its mesh: the loops keep it up to date, and go on from it after the run was stopped or
 // killed (deck/so_far.hpp).
 struct Standing {
-    double fraction = 0;         // load increments are solved up to it; 1: the whole motion is what is being solved
-    int power = 0;               // that is being solved; 0: none yet
-    bool is_last_power = false;  // those after it are not worth it
-    double eta_before = 0;       // the largest one when the power began
+    double fraction = 0;         // up to which load increments are solved; 1: the whole motion is being solved
+    int power = 0;               // the power being solved; 0: none yet
+    bool is_last_power = false;  // higher powers are not worth their cost
+    double eta_before = 0;       // the largest eta when this power began
     double mu = 0;               // of Algorithm 1 for the whole motion, in units of |1|^2; 0: that of the schedule,
     std::vector<double> lambda;  // and its multipliers; empty: zero
-    std::vector<double> x;       // from where it goes on: where an increment or a power began; empty: the iterate
-    int attempt = -1;            // of a mesh that is curved in place (curving.hpp), from 0; -1: as a whole
-    double gradient_norm = 0;          // then: the largest one with which a part ended,
-    std::vector<char> straight, freed;  // per element: whether it is straightened still; per node: whether it slides
+    std::vector<double> x;       // to resume from, where an increment or a power began; empty: the iterate
+    int attempt = -1;            // at curving the mesh in parts (curving.hpp), from 0; -1: as a whole
+    double gradient_norm = 0;          // of these parts: the largest |grad E| at the end of one,
+    std::vector<char> straight, freed;  // per element: whether it is still straightened; per node: whether it slides
 };
 
 // How the method is run on every mesh.
@@ -81,9 +81,9 @@ struct MethodParams {
     LinearSolverParams linear;
     Forcing forcing = Forcing::automatic;
     Continuation continuation = Continuation::automatic;
-    bool is_start = false;  // the solution is only where a finer mesh's starts: left where its first subproblem stalls
+    bool is_start = false;  // the solution only starts a finer mesh: given up if its first subproblem stalls
     std::shared_ptr<Standing> standing = std::make_shared<Standing>();
-    bool goes_on = false;  // x is where the run stood
+    bool goes_on = false;  // a resumed run: x is its mesh
     // Called with every iterate, of coarser meshes too.
     std::function<void(const Level&, const std::vector<double>& x)> observe_iterate = {};
 };
@@ -110,8 +110,8 @@ void climb(double from, double end, double size, double least, const Solve& solv
     }
 }
 
-// Tolerances for a solution that is only a start of the next: relative to the motion, whose size is |c_D| of the ideal
-// mesh; |grad E| scales like L^(n - 1) times motion / L, of which of_gradient is allowed.
+// Tolerances for a solution that only starts the next stage, relative to the motion m, which is |P c_D| of the ideal
+// mesh: |grad E| may be of_gradient m L^(n - 2), with L^n the volume.
 AugmentedLagrangianParams loosened(AugmentedLagrangianParams params, const Level& level, double of_gradient = 0.03);
 
 // Algorithm 1 on the level, from x (node_count x dim) and the given start, with load increments as params say; with

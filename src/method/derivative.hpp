@@ -1,7 +1,7 @@
 // Derivatives of the moved mesh: how its nodes x depend on where the boundary is to go.
 //
-// The mesh is a stationary point of the Lagrangian with the boundary on its target, not of the penalty's functional: no
-// mu, and no tolerance of Algorithm 1, is in
+// With the boundary exactly on its target, the mesh is a stationary point of the Lagrangian, which, unlike the
+// augmented one, contains neither mu nor a tolerance of Algorithm 1:
 //
 //     L(x, f) = E(x) + sum_i f_i . r_i(x_i),   grad L = 0,   r = 0,
 //
@@ -51,8 +51,8 @@ public:
     std::vector<double> tangent(const BoundaryChange& change);
     BoundaryChange adjoint(const std::vector<double>& dJ_dx);
 
-    // r and D'f of the boundary's nodes at x, with f as it is, for another constraint on them; and the change of the
-    // boundary that has these derivatives.
+    // r and D'f of the boundary nodes at x under another constraint, with the same f; and the change of the boundary
+    // with such a residual.
     BoundaryChange residual(const Constraint& other) const;
     BoundaryChange change(BoundaryChange of_residual) const;
 

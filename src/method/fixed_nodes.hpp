@@ -1,5 +1,5 @@
-// Nodes that stay where they are in a minimisation, as a strong Dirichlet condition has it: their gradient is zero, and
-// their rows and columns of the Hessian are those of the unit matrix, so that they take no part in a step.
+// Fixed nodes of a minimisation (a strong Dirichlet condition): their entries of the gradient are set to zero, and
+// their rows and columns of the Hessian to those of the unit matrix, so that no step moves them.
 #pragma once
 #include <algorithm>
 #include <vector>
@@ -24,7 +24,7 @@ inline void fix_nodes(const std::vector<char>& fixed, BlockCsr& H) {
         }
 }
 
-// A v of vectors with the entries of the nodes, whatever the order of A's rows.
+// A v for vectors in the order of the nodes, whatever the order of A's rows.
 inline std::vector<double> times_at_nodes(const BlockCsr& A, const std::vector<double>& v) {
     std::vector<double> rows, product(v.size()), result;
     to_rows(A, v, rows);

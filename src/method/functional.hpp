@@ -2,8 +2,8 @@
 //
 //     E(x) = |M phi - 1|^2 - (lambda, c_D) + penalty/2 |c_D|^2,   phi = sum x_i N_i,
 //
-// as a function of the node positions x, for given multipliers and penalty weight. The distortion term is the objective
-// that the DistortionEnergy was built with, the rest the constraint's. Of some of the nodes: local_functional.hpp.
+// as a function of the node positions x, for given multipliers and penalty weight. The first term stands for the
+// objective of the DistortionEnergy, the rest is the constraint's. Restriction to some nodes: local_functional.hpp.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -22,32 +22,32 @@ namespace almesh {
 
 class LocalFunctional;
 
-// x: positions of the nodes that it is a function of, nodes x dim. Evaluations use work space of the object.
+// x: positions of the nodes on which the functional depends, nodes x dim. Evaluations use work space of the object.
 struct Functional {
-    DistortionEnergy& distortion;  // its part that elements have
+    DistortionEnergy& distortion;  // the sum over the elements
 
     explicit Functional(DistortionEnergy& of_elements) : distortion(of_elements) {}
     virtual ~Functional() = default;
 
     // Infinite where an element is inverted at a quadrature point (unless the distortion is regularised).
     virtual double energy(const std::vector<double>& x) const = 0;
-    // Of the distortion alone. energy: E(x), so that no element need be looked at again.
+    // The distortion term of E(x). energy: E(x), from which the constraint's term is subtracted.
     virtual double distortion_energy(const std::vector<double>& x, double energy) const = 0;
-    // What no x can lose of it: of a constraint penalty/2 (|c|^2 - |P c|^2).
+    // The part of E that no x can remove: of a constraint, penalty/2 (|c|^2 - |P c|^2).
     virtual double lost_energy(const std::vector<double>& /*x*/) const { return 0; }
     // How much of a step is valid, in [0, 1]: DistortionEnergy::valid_fraction().
     virtual double valid_fraction(const std::vector<double>& x, const std::vector<double>& to) const = 0;
     virtual void gradient(const std::vector<double>& x, std::vector<double>& g) const = 0;
     virtual void hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H,
                          const Projection& projection = {}) const = 0;
-    // By how much rounding of x changes E beyond the rounding of a sum. force: work space, the size of x.
+    // The change of E by the rounding of x, besides the rounding of sums. force: work space, the size of x.
     virtual double rounding_error(const std::vector<double>& /*x*/, std::vector<double>& /*force*/) const { return 0; }
     // Second-order correction of the step d from x (constraint.hpp); empty where there is none. x, d: used when called.
     virtual Correction correction(const std::vector<double>& /*x*/, const std::vector<double>& /*d*/) const {
         return {};
     }
-    virtual void fix(std::vector<double>& /*d*/) const {}  // sets to zero what is of nodes that stay where they are
-    // As a function of the nodes with moves[i]; those that stay where they are are left out.
+    virtual void fix(std::vector<double>& /*d*/) const {}  // sets the entries of fixed nodes to zero
+    // The functional of the nodes with moves[i] alone; fixed nodes are excluded.
     virtual std::unique_ptr<LocalFunctional> part(const std::vector<double>& x, std::vector<char> moves) const = 0;
 };
 
@@ -104,8 +104,8 @@ struct AugmentedFunctional : Functional {
         return 0.5 * penalty * (c - Pc) * (c + Pc);
     }
 
-    // Of the positions at which the constraint is evaluated: small c with large multipliers and penalties are
-    // differences of positions times large forces.
+    // Rounding of the positions in the constraint: a small c is a difference of positions, and is multiplied by large
+    // multipliers and penalties.
     double rounding_error(const std::vector<double>& x, std::vector<double>& force) const override {
         std::fill(force.begin(), force.end(), 0.0);
         constraint.add_gradient(x, lambda, penalty, force);

@@ -14,7 +14,7 @@ namespace {
 double square(double v) { return v * v; }
 
 constexpr double penalty_growth = 100;  // from mesh to mesh
-constexpr double nearer = 0.5;  // than the ideal mesh to the target: else what is left is to curve the boundary
+constexpr double nearer = 0.5;  // distance to the target over the ideal mesh's: else curving is all that is left
 constexpr int few_steps = 20;  // on a level that is worth little
 constexpr double of_gradient = 0.0005;  // tolerance on coarser meshes: a step there is cheaper than one more here
 

@@ -8,8 +8,8 @@
 // a hundredfold from mesh to mesh: from a good start a large one costs no Newton steps, and saves updates of the
 // multipliers.
 //
-// A step on a mesh that was refined k times less costs 2^(-n k) of one on the deck's own, so all coarse steps together
-// cost a third of those of the next coarser mesh (2D).
+// A step on a mesh that was refined k times less costs 2^(-n k) of one on the deck's own mesh, so one step on each
+// of the coarser meshes costs, all together, a third of one on the deck's own (2D).
 #pragma once
 #include <functional>
 #include <memory>
@@ -21,7 +21,7 @@ namespace almesh {
 
 constexpr double largest_start_penalty = 1e7;  // in units of |1|^2
 
-// What a coarser mesh hands to the next finer one. Where it failed, and before the first, there is no level.
+// What a coarser mesh hands to the next finer one. level is null before the first mesh, and if the coarser one failed.
 struct CoarseSolution {
     std::unique_ptr<Level> level;      // without its energy
     std::vector<double> displacement;  // node_count x dim
@@ -30,14 +30,14 @@ struct CoarseSolution {
 };
 
 // Solves the problem on the levels 0, 1, ... levels - 1 that make_level(k) makes, with the adaptive schedule and
-// tolerances looser than those given. No solution where the last of them failed. Adds to `time`, to its total the
-// making of the levels included.
+// tolerances looser than those given. Empty if the last of them failed. Adds to `time`; its total includes the
+// construction of the levels.
 CoarseSolution solve_coarser(int levels, const std::function<std::unique_ptr<Level>(int)>& make_level,
                              const MethodParams& params, Timings& time, const StageObserver& observe);
 
-// Sets x (node_count x dim) and where the method starts: at the coarse solution, or at the identity map without
-// multipliers where there is none, where it is not valid on this mesh (by rounding), or where elements of a lower
-// degree have not come nearer to the target, because it only curves the boundary.
+// Sets x (node_count x dim) and the start of the method: the coarse solution, or the identity map without multipliers
+// if there is none, if it is not valid on this mesh (by rounding), or if the solution of a lower degree is hardly
+// nearer to the target, because the motion only curves the boundary.
 AlStart start_from(const CoarseSolution& coarse, const Level& level, std::vector<double>& x);
 
 }  // namespace almesh

@@ -1,5 +1,5 @@
-// t <- t / 2 where E(x + t d) is infinite; half of what is valid where the way there is not; where E is too large, the
-// minimiser of the parabola through E(x), its slope and E(x + t d),
+// If E(x + t d) is infinite, t <- t / 2; if the way to x + t d is not valid, t <- half of its valid part; if E is too
+// large, t <- the minimiser of the parabola through E(x), its slope and E(x + t d),
 // t <- -t^2 slope / (2 (E(x + t d) - E(x) - t slope)), within [t / 10, t / 2] (Nocedal & Wright, sec. 3.5).
 #include "method/line_search.hpp"
 
@@ -11,10 +11,10 @@ namespace {
 
 constexpr double sufficient_decrease = 1e-4;  // c1
 constexpr double smallest_step = 1e-14, largest_step = 64;
-constexpr double shortest_cut = 1e-3;  // where hardly anything of a step is valid
-constexpr double smallest_cut_step = 1e-7;  // it leads nowhere: a finer quadrature may turn the direction
+constexpr double shortest_cut = 1e-3;  // least factor, if hardly any part is valid
+constexpr double smallest_cut_step = 1e-7;  // below: give up, since a finer quadrature may change d
 constexpr double energy_rounding = 1e-14;  // relative error of a sum of element energies
-constexpr double worth_lengthening = 2.0 / 3;  // of what the slope promises
+constexpr double worth_lengthening = 2.0 / 3;  // of the predicted decrease
 
 }  // namespace
 

@@ -2,10 +2,10 @@
 //
 // Backtracking from 1 until the sufficient-decrease (first Wolfe) condition
 //     E(x + t d) <= E(x) + c1 t grad E . d,   c1 = 1e-4   (Nocedal & Wright, Alg. 3.1)
-// holds. E is infinite for an element inverted at a quadrature point. A length that passes this test must also be
-// valid all the way (valid_fraction): no step leads through an inverted element to another valid mesh, and curved
-// elements are valid between their points; else it is cut to half of what is. So every accepted iterate is a valid
-// mesh, and of the same homotopy class as the one before (unless the distortion is regularised, delta > 0).
+// holds. E is infinite for an element inverted at a quadrature point. If t passes this test, the whole way from x to
+// x + t d must also be valid (valid_fraction): no step may pass through an inverted element to another valid mesh, and
+// curved elements must be valid between their points. Else t is cut to half of the valid part. So every accepted
+// iterate is a valid mesh in the homotopy class of the one before (unless the distortion is regularised, delta > 0).
 //
 // Lengthening. A projected Hessian can be many times stiffer than the energy along d, and its full step then stops
 // far short of the minimum. Where t = 1 gives more than two thirds of what the slope promises, the parabola through
@@ -13,8 +13,8 @@
 // nothing is tried.
 //
 // Rounding. When the decrease that the full step promises is below the rounding error of E, energies can no longer be
-// compared: the full step is taken if E stays the same to rounding. That error is 1e-14 |E|, or what the caller knows
-// of the terms of E if they are larger than their sum.
+// compared: the full step is taken if E stays the same to rounding. The rounding error of E is 1e-14 |E|, or the
+// caller's estimate if that is larger, since terms of E may nearly cancel.
 #pragma once
 #include <functional>
 #include <vector>

@@ -46,22 +46,22 @@ std::vector<double> reachable_decrease(const BlockCsr& H, const std::vector<doub
     return decrease;
 }
 
-// The first `count` of `rows` with `layers` of neighbours; false where they are more than `most`.
-bool with_neighbours(const BlockCsr& H, const std::vector<int>& rows, int count, double most, std::vector<int>& found) {
-    std::vector<char> is_found(H.n, 0);
-    found.assign(rows.begin(), rows.begin() + count);
-    for (const int i : found) is_found[i] = 1;
-    for (std::size_t layer = 0, begin = 0, end = found.size(); layer < layers; ++layer, begin = end, end = found.size())
+// local: the first `count` of `rows` with `layers` of neighbours; false if they are more than `most`.
+bool with_neighbours(const BlockCsr& H, const std::vector<int>& rows, int count, double most, std::vector<int>& local) {
+    std::vector<char> is_local(H.n, 0);
+    local.assign(rows.begin(), rows.begin() + count);
+    for (const int i : local) is_local[i] = 1;
+    for (std::size_t layer = 0, begin = 0, end = local.size(); layer < layers; ++layer, begin = end, end = local.size())
         for (; begin < end; ++begin)
-            for (int k = H.row[found[begin]]; k < H.row[found[begin] + 1]; ++k)
-                if (!std::exchange(is_found[H.col[k]], 1)) found.push_back(H.col[k]);
-    return static_cast<double>(found.size()) <= most;
+            for (int k = H.row[local[begin]]; k < H.row[local[begin] + 1]; ++k)
+                if (!std::exchange(is_local[H.col[k]], 1)) local.push_back(H.col[k]);
+    return static_cast<double>(local.size()) <= most;
 }
 
 // Per node.
 std::vector<char> choose_nodes(const BlockCsr& H, const std::vector<double>& g, double most_of_all) {
     const std::vector<double> decrease = reachable_decrease(H, g);
-    std::vector<int> order(H.n), found;
+    std::vector<int> order(H.n), local;
     std::iota(order.begin(), order.end(), 0);
     const int most = std::max(1, static_cast<int>(part_of_nodes * H.n));
     const auto is_first = [&](int i, int j) {
@@ -71,9 +71,9 @@ std::vector<char> choose_nodes(const BlockCsr& H, const std::vector<double>& g, 
     const double wanted = part_of_decrease * std::accumulate(decrease.begin(), decrease.end(), 0.0);
     int count = 0;
     for (double sum = 0; count < most && sum <= wanted; ++count) sum += decrease[order[count]];
-    while (!with_neighbours(H, order, count, most_of_all * H.n, found) && count > 1) count = (count + 1) / 2;
+    while (!with_neighbours(H, order, count, most_of_all * H.n, local) && count > 1) count = (count + 1) / 2;
     std::vector<char> chosen(H.n, 0);
-    for (const int i : found) chosen[H.node_of(i)] = 1;
+    for (const int i : local) chosen[H.node_of(i)] = 1;
     return chosen;
 }
 

@@ -1,28 +1,28 @@
-// Local nonlinear elimination: between two steps of Newton's method, a minimisation over the few nodes that hold it up.
+// Local nonlinear elimination: between two Newton steps, a minimisation over the few nodes that limit the steps.
 //
-// Where small elements weigh little (the integral of eta^2, alpha = 1) they fold and buckle in a few places, and most
-// of what a Newton step promises is at a hundredth of the nodes: their elements limit the length of every step, make
-// the full Hessian indefinite, and converge hundreds of steps after the rest. Minimising over these nodes first, all
-// others fixed, leaves to a Newton step what is smooth (Lanzkron, Rose, Wilkes, SIAM J. Sci. Comput. 17, 1996; Cai &
-// Li, SIAM J. Sci. Comput. 33, 2011). A local step costs its share of the mesh: with their neighbours a hundredth of
-// the nodes can be a third of it.
+// Small elements of little weight (the integral of eta^2, alpha = 1) fold and buckle in a few regions, and most of the
+// decrease that a Newton step predicts is at a hundredth of the nodes: the elements there limit every step length, make
+// the full Hessian indefinite, and converge hundreds of steps after the rest. Minimising over these nodes first, with
+// all others fixed, leaves the smooth part to the Newton step (Lanzkron, Rose, Wilkes, SIAM J. Sci. Comput. 17, 1996;
+// Cai & Li, SIAM J. Sci. Comput. 33, 2011). A local step costs the share of the mesh that it covers: a hundredth of the
+// nodes with their neighbours can be a third of the mesh.
 //
 // Which nodes: those with the largest decrease that they could reach alone by a quadratic model with the diagonal of
 // the Hessian, |g_i|^2 / (2 h_i), h_i = trace of H_ii / dim, until they make up nine tenths of the sum over all nodes
 // or a hundredth of the nodes; with two layers of neighbours, so that they have room to move.
 //
-// When: after every step of a subproblem from the thirteenth on, and of those that come after one of more than ten
-// steps. A minimisation that starts from the solution of a coarser mesh or of a lower degree has little but such places
-// left to solve: there also after every step that gained less than ten times what all nodes could reach alone. But not
-// while local minimisations have done more than a sixth of the work of the steps over the whole mesh, and where each
-// step is dear (curved elements, or from a coarser mesh in 3D) the one that takes them to a quarter ends there: less
-// than a fifth of the time; more of them save steps, and little time.
+// When: after each step of a subproblem from the thirteenth on, and after each step of later subproblems once one took
+// more than ten. A start from a coarser mesh or a lower degree leaves little but such regions to solve: then also after
+// each step that gained less than ten times the decrease that all nodes could reach alone. No local minimisation starts
+// while their work exceeds a sixth of that of the steps over the whole mesh; if each step is expensive (curved
+// elements, or from a coarser mesh in 3D), the one that reaches a quarter ends there. So they take less than a fifth of
+// the time; more of them would save steps, but little time.
 //
-// How: Newton's method (newton.hpp) for the local functional, without damping, and with a Hessian that keeps as much of
-// its negative eigenvalues as it bears (eigenvalue_filtering.hpp). What holds up the mesh is in turn held up by few of
-// its nodes: where a local step gained less than ten times what its nodes could reach alone, a minimisation over at
-// most a tenth of them follows, chosen in the same way. That is a sixth of the local steps' time, and halves their
-// number. Not where the nodes are few from the beginning.
+// How: Newton's method (newton.hpp) for the local functional, without damping, with as many of the Hessian's negative
+// eigenvalues as the assembled matrix allows (eigenvalue_filtering.hpp). The steps of a local minimisation are in turn
+// limited by few of its nodes: if a local step gained less than ten times what its nodes could reach alone, a
+// minimisation over at most a tenth of them follows, chosen in the same way. That takes a sixth of the time of the
+// local steps, and halves their number. It is left out if the nodes are few from the beginning.
 #pragma once
 #include <vector>
 

@@ -35,7 +35,7 @@ void LocalFunctional::gradient(const std::vector<double>& y, std::vector<double>
     std::copy_n(g_.begin(), g.size(), g.begin());
 }
 
-// The rows and columns of H_ of nodes that move: the first, in each row as well.
+// The rows and columns of H_ for nodes that move, which come first, in each row too.
 BlockCsr LocalFunctional::hessian_pattern() const {
     BlockCsr H;
     H.n = nodes();

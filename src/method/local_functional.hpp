@@ -1,6 +1,6 @@
 // A functional (functional.hpp) as a function of the positions of some nodes, all others fixed where they are: the
 // functional of the elements around these nodes, so that energy, derivatives and linear systems cost as much as on a
-// mesh of that size. Vectors and matrices here have the nodes that move, and no others, in an order of their own.
+// mesh of that size. Vectors and matrices have entries for the nodes that move only, in a numbering of their own.
 #pragma once
 #include <memory>
 #include <vector>
@@ -29,7 +29,7 @@ public:
     LocalFunctional(const AugmentedFunctional& E, const std::vector<double>& x, const std::vector<char>& moves);
 
     int nodes() const { return around_.moving; }
-    // Positions of the nodes that move, from and to those of the functional that this is a part of.
+    // Copies the positions of the nodes that move from, and to, an array x of the whole functional.
     std::vector<double> read(const std::vector<double>& x) const { return around_.read(x, dim_); }
     void write(const std::vector<double>& y, std::vector<double>& x) const { around_.write(y, dim_, x); }
 

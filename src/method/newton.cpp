@@ -12,7 +12,7 @@ namespace almesh {
 namespace {
 
 // Every iterate of conjugate gradients with a positive definite preconditioner is a descent direction (truncated
-// Newton: Nocedal & Wright, sec. 7.1). Of an indefinite Hessian it is better to take another one.
+// Newton: Nocedal & Wright, sec. 7.1). If the Hessian is indefinite, another Hessian is better.
 bool is_truncated(SolveStatus status) {
     return status == SolveStatus::stagnated || status == SolveStatus::max_iterations ||
            status == SolveStatus::not_positive_definite;
@@ -63,7 +63,7 @@ NewtonResult Newton::start(const Functional& E, const NewtonParams& params, cons
     return at;
 }
 
-// Where the step before folded elements unseen: another E from now on, at the same x.
+// Refines the quadrature, and so changes E, if a trial step inverted elements between its points.
 bool Newton::refine_quadrature(const Functional& E, const std::vector<double>& x, NewtonResult& at) {
     if (!E.distortion.refine_quadrature()) return false;
     at.start_energy = at.energy = E.energy(x);
@@ -77,7 +77,7 @@ double Newton::gradient(const Functional& E, const std::vector<double>& x) {
     return norm_2(g_);
 }
 
-// Solves H d = -g. Whether d is a descent direction. Names what it used in `step`.
+// Solves H d = -g; returns whether d is a descent direction. Records the solver in `step`.
 bool Newton::find_direction(const Functional& E, const std::vector<double>& x, NewtonResult& at, NewtonStep& step) {
     for (std::size_t i = 0; i < g_.size(); ++i) minus_g_[i] = -g_[i];
     const bool projected = step.hessian == HessianKind::projected;
@@ -95,7 +95,7 @@ bool Newton::find_direction(const Functional& E, const std::vector<double>& x, N
     const double work = E.distortion.hessian_work() + solve.work;
     elimination_.work_of_newton += work;
     at.work += work;
-    E.fix(d_);  // some solvers move them and move them back, to rounding
+    E.fix(d_);  // some solvers move fixed nodes by rounding errors
     at.linear_iterations += solve.iterations;
     step.linear_iterations += solve.iterations;
     step.solver = solve.used;
@@ -178,7 +178,7 @@ bool Newton::predict(const Functional& E, HessianKind kind, const std::vector<ch
     return !d.empty();
 }
 
-// d plus what minimises the model at the nodes that are not fixed: H_II e_I = -(g + H d)_I; empty where there is none.
+// d + e, where e minimises the model over the free nodes: H_II e_I = -(g + H d)_I. Empty if the solver fails.
 std::vector<double> Newton::with_inside(const std::vector<char>& fixed, const std::vector<double>& g,
                                         std::vector<double> d, NewtonResult& at) {
     const TimeAdder adder(time.linear);
@@ -205,7 +205,7 @@ bool Newton::filter_more(HessianKind& kind) {
     return true;
 }
 
-// gained: by the step before. x may become another, or E by a finer quadrature.
+// gained: decrease of E by the last step. Changes x, and E if it refines the quadrature.
 void Newton::eliminate_locally(const Functional& E, double gained, std::vector<double>& x, NewtonResult& at,
                                NewtonStep& step) {
     const TimeAdder adder(time.elimination);
@@ -225,7 +225,7 @@ void Newton::report(const NewtonResult& at, const std::vector<double>& x, Newton
     if (observe_iterate_) observe_iterate_(steps_, x);
 }
 
-// Chooses the next Hessian and how well its system is solved.
+// Chooses the next Hessian and the tolerance of its linear system.
 void Newton::adapt(const NewtonStep& step, const NewtonResult& before, const NewtonResult& at) {
     forcing_.after_step(step.step_length, before.gradient_norm, at.gradient_norm, at.omega);
     if (filtering_.only_direct && step.solver != SolverKind::cholesky) filtering_ = EigenvalueFiltering::of_mesh();

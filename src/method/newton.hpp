@@ -2,11 +2,11 @@
 // multipliers and penalty until |grad E| <= omega (Nocedal & Wright, Numerical Optimization, ch. 3; the paper's sec.
 // 3).
 //
-// Direction. Far from the minimum the Hessian is indefinite; each step uses one of three (HessianKind): the full one,
-// whose convergence is quadratic, after a step of length one or more; the projected one, damped, after a step that was
-// cut, and whenever the full one is found not to be positive definite (by Cholesky, by negative curvature, or by
-// bad diagonal blocks: no Cholesky factorisation is spent on finding out) or gives no descent direction;
-// the damping alone in the very first step, because the Hessian of (eta - 1)^2 vanishes at the identity.
+// Direction. Far from the minimum the Hessian is indefinite. Each step uses one of three matrices (HessianKind): the
+// full Hessian, for quadratic convergence, after a step of length one or more, once the damping is small; the damped
+// projected Hessian after a shortened step, and if the full one is not positive definite (found by Cholesky, by
+// negative curvature or, before any factorisation, by its diagonal blocks) or gives no descent direction; the damping
+// alone in the first step of a cold start, because the Hessian of (eta - 1)^2 vanishes at the identity.
 //
 // A direction along which nodes slide is a tangent: a second-order correction takes the boundary back onto the surface
 // (Constraint::correct()), and where the step is cut then, what is inside as well, by the solution of another linear
@@ -44,13 +44,13 @@ struct NewtonParams {
     double omega = 1e-8, reduction = 1, omega_star = 0;
     int max_iterations = 200;
     double largest_energy = std::numeric_limits<double>::infinity();  // above which a target may be out of reach
-    double visible_gain = 0;  // what several steps in a row must decrease E by together; 0: no matter what
-    double visible_part = 0;  // where not 0, the same as a part of the distortion's energy
+    double visible_gain = 0;  // least total decrease of E in several steps in a row; 0: no test
+    double visible_part = 0;  // if not 0: that decrease as a fraction of the distortion energy
     HessianKind first = HessianKind::projected;  // of the first step
-    bool cold_start = false;  // nothing is known: damping and local elimination begin anew, the first step is damping's
+    bool cold_start = false;  // resets damping, filtering and elimination; the first step uses the damping alone
     bool from_coarser = false;  // x was interpolated from the solution of a coarser mesh or of a lower degree
-    std::optional<double> least_gain = {};  // of a local minimisation: a step that decreases E by no more is the last,
-    double most_work = std::numeric_limits<double>::infinity();  // and so is one after which its work exceeds this
+    std::optional<double> least_gain = {};  // of a local minimisation: a smaller decrease of E makes a step the last,
+    double most_work = std::numeric_limits<double>::infinity();  // and so does more work than this
 };
 
 // One row of the history: the step that led from one iterate to the next.
@@ -64,7 +64,7 @@ struct NewtonStep {
     int cuts_inverted = 0;     // trial lengths refused because an element was inverted
     int cuts_decrease = 0;     // trial lengths refused because E did not decrease enough
     HessianKind hessian = HessianKind::projected;
-    bool is_last = false;      // of a local minimisation: it does not pay for another
+    bool is_last = false;      // of a local minimisation: it gained too little
     LocalElimination::Result local = {};  // of the local minimisation after the step
     int linear_iterations = 0;
     SolverKind solver = SolverKind::automatic;      // who made the direction
@@ -78,13 +78,13 @@ struct NewtonResult {
     int iterations = 0;
     int linear_iterations = 0;
     int local_steps = 0;  // of local eliminations
-    double start_energy = 0;  // at the first x; where the quadrature was refined since: when it was
+    double start_energy = 0;  // at the first x, or at the last refinement of the quadrature
     double energy = 0, gradient_norm = 0;
     double work = 0;   // of assembly, linear solves and local eliminations (local_elimination.hpp)
     double omega = 0;  // the tolerance that was used
 };
 
-// What hangs on a step. The defaults are for a whole mesh; local_elimination.cpp has those for a few nodes.
+// Policies that adapt to the steps. The defaults are for a whole mesh; local_elimination.cpp sets those for few nodes.
 struct NewtonPolicies {
     Forcing forcing = Forcing::automatic;
     Damping damping = {};
@@ -104,7 +104,7 @@ public:
     // Called with every iterate that is accepted, of all calls of minimise().
     void observe_iterates(IterateObserver observer) { observe_iterate_ = std::move(observer); }
 
-    void forget();  // what its steps so far have told: as one on a whole mesh that has made none
+    void forget();  // what earlier steps have taught: then as on a whole mesh before any step
 
     const LinearSolver& linear_solver() const { return solver_; }
     Timings time;  // of all calls so far

@@ -19,7 +19,7 @@ constexpr double nearly = 0.1;             // relative change of kappa by a mini
 constexpr double settled = 1e-5;           // and in the end
 constexpr int most_updates = 8;            // of kappa, to come to either
 constexpr int steps_of_power = 8;          // Newton steps of a subproblem that is solved loosely
-constexpr double gradient_of_power = 0.03; // which lowers |grad E| to this part, and more where it starts far
+constexpr double gradient_of_power = 0.03; // its tolerance relative to |grad E| at its start, if that is smaller
 constexpr double worthwhile = 2e-3;        // relative decrease of the largest eta
 constexpr double undistorted = 1e-10;      // largest eta - 1 below which there is nothing to gain
 
@@ -126,53 +126,53 @@ AlResult minimise_p_norm(const Level& level, Newton& newton, const MethodParams&
                         const StageObserver& observe_stage) {
     const AugmentedLagrangianParams loose = loosened(params.schedule, level);
     Standing& standing = *params.standing;
-    Sharpening at{level, newton, x, {}, start.mu};
+    Sharpening state{level, newton, x, {}, start.mu};
     level.energy->set_power({});
     const auto report_power = [&] {
         if (observe_stage)
-            observe_stage({level.mesh.nodes(), Status::converged, at.result.iterations.back(),
-                          at.result.newton_iterations, 1, level.energy->power().p});
+            observe_stage({level.mesh.nodes(), Status::converged, state.result.iterations.back(),
+                          state.result.newton_iterations, 1, level.energy->power().p});
     };
     bool goes_on = params.goes_on && standing.power > 0;
     if (goes_on) {
-        at.begin(standing.power, start);
+        state.begin(standing.power, start);
     } else {
         MethodParams first = params;
         first.schedule = loose;
-        at.take(minimise_in_increments(level, newton, first, x, start, {}, observe_stage));
-        if (!at.converged()) return at.result;
+        state.take(minimise_in_increments(level, newton, first, x, start, {}, observe_stage));
+        if (!state.converged()) return state.result;
         report_power();
         standing.power = 2;
-        standing.eta_before = 2 * at.largest();
+        standing.eta_before = 2 * state.largest();
     }
-    const bool can_gain = at.largest() - 1 > undistorted && std::isfinite(at.largest());
+    const bool can_gain = state.largest() - 1 > undistorted && std::isfinite(state.largest());
     // A power that has raised the largest eta is far from solved, and says nothing of the next.
     const auto is_worthwhile = [&] {
-        return at.largest() > standing.eta_before || at.largest() <= (1 - worthwhile) * standing.eta_before;
+        return state.largest() > standing.eta_before || state.largest() <= (1 - worthwhile) * standing.eta_before;
     };
     const auto begin_power = [&] {
-        at.set_power(standing.power);
+        state.set_power(standing.power);
         standing.x = x;
-        standing.lambda = at.result.lambda;
-        standing.mu = at.mu;
+        standing.lambda = state.result.lambda;
+        standing.mu = state.mu;
     };
     for (; can_gain && !standing.is_last_power; goes_on = false) {
         if (!goes_on) {
             standing.is_last_power = 2 * standing.power >= last_power || !is_worthwhile();
             standing.power = std::min(2 * standing.power, last_power);
-            standing.eta_before = at.largest();
+            standing.eta_before = state.largest();
             if (standing.is_last_power) break;
         }
         begin_power();
-        at.solve_loosely(loose, 0);
-        if (at.interrupted()) return at.result;
+        state.solve_loosely(loose, 0);
+        if (state.interrupted()) return state.result;
         report_power();
     }
     for (int& p = standing.power;; p = std::max(2, p / 2)) {
         begin_power();
-        if (p > 2) at.solve_loosely(loose, most_updates);
-        if (!at.interrupted()) at.solve(params.schedule, observer);
-        if (at.converged() || at.interrupted() || p == 2) return at.result;
+        if (p > 2) state.solve_loosely(loose, most_updates);
+        if (!state.interrupted()) state.solve(params.schedule, observer);
+        if (state.converged() || state.interrupted() || p == 2) return state.result;
     }
 }
 

@@ -1,5 +1,5 @@
-// p-norm continuation, to the mesh whose worst element is best: the least M for which eta - 1 <= M everywhere,
-// approached by powers.
+// p-norm continuation towards the minimax mesh, whose largest eta - 1 is as small as possible: it is approached by
+// powers of eta - 1.
 //
 // The integral of (eta - 1)^p, to the power 1/p, comes near to the maximum of eta - 1 as p grows. Its minimisers are
 // found one from the other, p = 2, 4, 8, ..., with the density
@@ -14,7 +14,7 @@
 //
 //     kappa(x) = K (|eta - 1|_q / M)^(p - 2),   K = 0.01.
 //
-// It is updated between minimisations, as multipliers are, until it stays. Then M has no part in where x is stationary.
+// Like multipliers, kappa is updated between minimisations until it converges; then M does not affect the stationary x.
 // With projection P onto the directions in which x is free, P grad E = 0, the derivative of P grad E is
 //
 //     P (E'' - u v'),   u = grad E_p,   v = (p - 2) / (q E_q) grad E_q,   E_q = M^2 integral of s^q.
@@ -34,7 +34,7 @@
 
 namespace almesh {
 
-// Where there is a kappa, sets it to that of x. Returns by how much it changes, relative to what it was.
+// Sets kappa, if the density has one, to kappa(x). Returns its relative change.
 double update_kappa(DistortionEnergy& energy, const std::vector<double>& x);
 
 // Empty where there is no kappa.
@@ -43,10 +43,10 @@ struct KappaChange {
 };
 KappaChange change_of_kappa(DistortionEnergy& energy, const std::vector<double>& x);
 
-// As minimise_in_increments(), which it begins with, or from the power at which the run stood; then the powers up to
-// `last_power`. Where the last of them is not solved the one before is taken, and so on. Newton steps with earlier
-// powers are among earlier_newton_iterations, the power of the result is level.energy->power(). observe_stage is called
-// after each power but the last, too.
+// minimise_in_increments() with the power 2, then the powers up to `last_power`; a resumed run begins with the power
+// that it had reached. If the last power is not solved, the one below it is taken, and so on. Newton steps of earlier
+// powers are in earlier_newton_iterations; the power of the result is level.energy->power(). observe_stage is also
+// called after each power but the last.
 AlResult minimise_p_norm(const Level& level, Newton& newton, const MethodParams& params, int last_power,
                         std::vector<double>& x, const AlStart& start, const AlObserver& observer = {},
                         const StageObserver& observe_stage = {});

@@ -1,5 +1,4 @@
-// How Algorithm 1 of the paper goes on after a subproblem: the penalty mu and the tolerances omega, epsilon of the
-// next.
+// The schedule of Algorithm 1: the penalty mu and the tolerances omega, epsilon of the next subproblem.
 //
 //   paper     Algorithm 1 in the only consistent reading: penalty weight mu in E to match the update
 //             lambda - mu c_D, tolerances that tighten as m grows, and both tests must hold at the end
@@ -27,7 +26,7 @@ namespace almesh {
 enum class Algorithm { adaptive, paper, literal };
 enum class Continuation { automatic, never, always };  // of the boundary's motion, see continuation.hpp
 
-// How a mesh is moved. penalty is there to be compared with the first; boundary_set (set_boundary.hpp) is not for decks.
+// How a mesh is moved. penalty is for comparison with the first; boundary_set (set_boundary.hpp) is not for decks.
 enum class MovingMethod { augmented_lagrangian, penalty, boundary_set };
 
 struct AugmentedLagrangianParams {
@@ -38,7 +37,7 @@ struct AugmentedLagrangianParams {
     double epsilon0 = 1e-3;       // paper, literal: tolerance of |P c_D|^2 that decides between the updates
     double omega_star = 1e-8;     // final tolerance of |grad E|
     double epsilon_star = 1e-16;  // final tolerance of |P c_D|^2
-    double wall_tolerance = 1e-3;  // adaptive: of the distance of every boundary node from its target, in cell heights
+    double wall_tolerance = 1e-3;  // adaptive, penalty: of the distance of a node from its target, in cell heights
     int max_iterations = 50;
     int max_newton_iterations = 200;
 };
@@ -84,7 +83,7 @@ public:
         return is_literal_ ? constrained || stationary : constrained && stationary;
     }
 
-    // Lines 11-14: lambda has been updated. boundary_error: what wall_tolerance is for.
+    // Lines 11-14, after the update of lambda. boundary_error: bounded by wall_tolerance.
     AlUpdate tighten(double squared_constraint, double boundary_error) {
         if (is_adaptive_) return tighten_adaptively(squared_constraint, boundary_error);
         if (is_penalty_) return AlUpdate::none;

@@ -6,21 +6,21 @@ namespace almesh {
 enum class Status {
     converged,
     stalled,                // the constraint stopped falling while the penalty grew, or all energy is penalty
-    attainable_accuracy,    // rounding ended |grad E| above its tolerance; of a run, the constraint holds: above omega0
-    no_visible_gain,        // nodes slide, and steps gained next to nothing; of a run: see outcome()
+    attainable_accuracy,    // |grad E| falls no further by rounding; of a run: constraint holds, |grad E| > omega0
+    no_visible_gain,        // nodes slide, and steps hardly decreased E; of a run: see outcome()
     ended_as_printed,       // literal: the loop as printed ends when one of its two tests holds, and only one did
     max_al_iterations,
     max_newton_iterations,
     line_search_failed,
     linear_solver_failed,
-    overflow,               // numbers beyond the range of double precision: of a penalty that is
+    overflow,               // numbers beyond double precision, as with a huge penalty
     interrupted,            // by a signal
     inverted,               // of a mesh that is improved: elements that can be valid are not
     invalid_start,          // with the boundary on its target no valid mesh to start from (set_boundary.hpp)
     off_surface             // of a mesh that is improved: farther than the deck allows (problem/kept_surface.hpp)
 };
 
-// Whether a minimisation came as far as its numbers tell, though |grad E| is above its tolerance.
+// Whether rounding or sliding ended a minimisation although |grad E| is above its tolerance.
 inline bool at_floor(Status status) {
     return status == Status::attainable_accuracy || status == Status::no_visible_gain;
 }

@@ -10,12 +10,12 @@
 // step promises is below the rounding error of E, energies can no longer be compared (line_search.hpp). From then on
 // the iteration goes on only while each step halves |grad E|.
 //
-// Futile steps: nodes hang where the surface along which they slide has a kink, or elements are jammed, and several
-// steps in a row are next to none and gain nothing.
+// Futile steps: several steps in a row have almost no length and no gain, because a node is stuck at a kink of its
+// surface or elements block each other.
 //
-// Invisible steps: where nodes slide and nothing else holds the mesh, E hardly changes along some directions. A disc
-// turns, and in 2D all conformal maps of it onto itself keep eta. After three full steps in a row, or twelve short
-// ones, that together gain less than can be seen, the multipliers change first; once the constraint holds, Algorithm 1
+// Invisible steps: if nodes slide and nothing else holds the mesh, E hardly changes along some directions: a disc can
+// rotate, and in 2D every conformal map of the disc onto itself keeps eta. After three full steps in a row, or twelve
+// short ones, whose total gain is negligible, the multipliers are updated first; once the constraint holds, Algorithm 1
 // goes on without this test.
 //
 // Local minimisations (local_elimination.hpp) need no minimum: their last step is one that gains too little for
@@ -39,7 +39,7 @@ inline bool is_out_of_reach(double largest_energy, double energy_before, double 
            distortion < 0.1 * energy;
 }
 
-// by_rounding: what the line search says of the step that took |grad E| from g_before to g.
+// by_rounding: the line search's result for the step that took |grad E| from g_before to g.
 inline bool at_attainable_accuracy(bool by_rounding, double g_before, double g, double omega) {
     return by_rounding && g > 0.5 * g_before && g > omega;
 }
