@@ -85,21 +85,21 @@ double longest_edge(const Mesh& mesh, const std::vector<double>& x, int f) {
     return edge;
 }
 
-bool is_rounding(const Mesh& mesh, const std::vector<double>& came, int f, double edge, double distance) {
-    const Vec<3> at = positions(mesh, came, mesh.face(f), 1)[0];
+bool is_rounding(const Mesh& mesh, const std::vector<double>& original, int f, double edge, double distance) {
+    const Vec<3> at = positions(mesh, original, mesh.face(f), 1)[0];
     return distance <= rounding_of_edges * edge + rounding_of_positions * length(at);
 }
 
-// faces: what was found of the mesh's faces `of`.
-BoundaryDistance sum_of(const Mesh& mesh, const std::vector<double>& came, const std::vector<int>& of,
+// faces: what was found for the faces `numbers` of the mesh.
+BoundaryDistance sum_of(const Mesh& mesh, const std::vector<double>& original, const std::vector<int>& numbers,
                         const std::vector<OfFace>& faces) {
-    BoundaryDistance sum = {.boundary = mesh.face_boundary[of[0]], .faces = static_cast<int>(of.size())};
+    BoundaryDistance sum = {.boundary = mesh.face_boundary[numbers[0]], .faces = static_cast<int>(numbers.size())};
     double area = 0;
-    for (std::size_t k = 0; k < of.size(); ++k) {
+    for (std::size_t k = 0; k < numbers.size(); ++k) {
         const OfFace& face = faces[k];
         area += face.area;
-        const double edge = longest_edge(mesh, came, of[k]);
-        if (is_rounding(mesh, came, of[k], edge, face.largest)) continue;
+        const double edge = longest_edge(mesh, original, numbers[k]);
+        if (is_rounding(mesh, original, numbers[k], edge, face.largest)) continue;
         ++sum.moved;
         sum.moved_area += face.area;
         sum.largest = std::max(sum.largest, face.largest);
@@ -115,14 +115,14 @@ BoundaryDistance sum_of(const Mesh& mesh, const std::vector<double>& came, const
 
 // Of each boundary that is measured and has moved faces: body(its faces, what was found of each).
 template <class Body>
-void for_moved_boundaries(const Mesh& mesh, const std::vector<double>& came, const std::vector<double>& x,
+void for_moved_boundaries(const Mesh& mesh, const std::vector<double>& original, const std::vector<double>& x,
                           const std::vector<char>& measured, const Body& body) {
     std::vector<std::vector<int>> faces_of(mesh.boundaries.size());
     for (int f = 0; f < mesh.face_count(); ++f)
         if (measured.empty() || measured[mesh.face_boundary[f]]) faces_of[mesh.face_boundary[f]].push_back(f);
     const auto has_moved = [&](int f) {
         return std::any_of(mesh.face(f), mesh.face(f) + mesh.face_nodes(f), [&](int i) {
-            return !std::equal(point(x, i, mesh.dim), point(x, i, mesh.dim) + mesh.dim, point(came, i, mesh.dim));
+            return !std::equal(point(x, i, mesh.dim), point(x, i, mesh.dim) + mesh.dim, point(original, i, mesh.dim));
         });
     };
     const SampledFaces sampled(mesh, 6 * ((mesh.degree + 2) / 3));  // with the middles of edges and of triangles
@@ -130,7 +130,7 @@ void for_moved_boundaries(const Mesh& mesh, const std::vector<double>& came, con
         if (std::none_of(of.begin(), of.end(), has_moved)) continue;
         std::vector<Patch> patches;
         for (const int f : of)
-            for (Patch& patch : sampled.faces.of(f, came)) patches.push_back(std::move(patch));
+            for (Patch& patch : sampled.faces.of(f, original)) patches.push_back(std::move(patch));
         const ClosestPoint surface(sampled.faces.basis, patches);
         std::vector<OfFace> found(of.size());
         parallel_for_uneven(static_cast<int>(of.size()), [&](int k) {
@@ -144,24 +144,24 @@ void for_moved_boundaries(const Mesh& mesh, const std::vector<double>& came, con
 
 }  // namespace
 
-std::vector<BoundaryDistance> boundary_distances(const Mesh& mesh, const std::vector<double>& came,
+std::vector<BoundaryDistance> boundary_distances(const Mesh& mesh, const std::vector<double>& original,
                                                  const std::vector<double>& x, const std::vector<char>& measured) {
     std::vector<BoundaryDistance> distances;
-    for_moved_boundaries(mesh, came, x, measured, [&](const std::vector<int>& of, const std::vector<OfFace>& found) {
-        const BoundaryDistance sum = sum_of(mesh, came, of, found);
+    for_moved_boundaries(mesh, original, x, measured, [&](const std::vector<int>& of, const auto& found) {
+        const BoundaryDistance sum = sum_of(mesh, original, of, found);
         if (sum.moved > 0) distances.push_back(sum);
     });
     return distances;
 }
 
-std::vector<double> relative_face_distances(const Mesh& mesh, const std::vector<double>& came,
+std::vector<double> relative_face_distances(const Mesh& mesh, const std::vector<double>& original,
                                             const std::vector<double>& x, const std::vector<char>& measured) {
     std::vector<double> relative(mesh.face_count(), 0.0);
-    for (const auto& [from, to] : {std::tie(came, x), std::tie(x, came)})
+    for (const auto& [from, to] : {std::tie(original, x), std::tie(x, original)})
         for_moved_boundaries(mesh, from, to, measured, [&](const std::vector<int>& of, const auto& found) {
             for (std::size_t k = 0; k < of.size(); ++k) {
-                const double edge = std::min(longest_edge(mesh, came, of[k]), longest_edge(mesh, x, of[k]));
-                if (!is_rounding(mesh, came, of[k], edge, found[k].largest))
+                const double edge = std::min(longest_edge(mesh, original, of[k]), longest_edge(mesh, x, of[k]));
+                if (!is_rounding(mesh, original, of[k], edge, found[k].largest))
                     relative[of[k]] = std::max(relative[of[k]], found[k].largest / edge);
             }
         });

@@ -1,9 +1,9 @@
 // How far curved faces are from a surface, and nodes from a wall.
 //
-// Of a mesh from itself as it came, d(y) is from a point y of a face to the closest point of the faces of the same
-// boundary as they came, all of them: a node that slid along that surface is on it. h: the longest edge of y's face as
-// it came, from corner to corner. d is taken at a grid of barycentric coordinates in each face, its corners, edges and
-// middle included, and is linear between them; over all faces of a boundary
+// For a mesh and its original, d(y) is the distance from a point y of a face to the closest point of all original faces
+// of the same boundary: it is zero for a node that slid along these. h: the longest edge of y's original face, from
+// corner to corner. d is taken on a grid of barycentric coordinates in each face, with its corners, edges and middle,
+// and is linear between them; over all faces of a boundary
 //
 //     largest = max d,   rms^2 = integral of d^2 / area,   and the same of d / h.
 #pragma once
@@ -24,14 +24,14 @@ struct BoundaryDistance {
     double relative_largest = 0, relative_rms = 0;  // of d / h
 };
 
-// Of the boundaries that have moved faces. came, x: node_count x dim positions, finite. measured: per boundary, empty
-// for all. Faces whose nodes have the bits with which they came take next to no time.
-std::vector<BoundaryDistance> boundary_distances(const Mesh& mesh, const std::vector<double>& came,
+// One entry per boundary with moved faces. original, x: node_count x dim positions, finite. measured: per boundary;
+// empty: all. Faces whose nodes have kept their bits cost next to nothing.
+std::vector<BoundaryDistance> boundary_distances(const Mesh& mesh, const std::vector<double>& original,
                                                  const std::vector<double>& x, const std::vector<char>& measured = {});
 
-// Per face: the largest d / h of its points from the faces of its boundary as they came, and of its points as it came
-// from them as they are; h: the shorter of its longest edge then and now.
-std::vector<double> relative_face_distances(const Mesh& mesh, const std::vector<double>& came,
+// Per face: the largest d / h of its points from the original boundary, and of its original points from the boundary
+// now; h: the shorter of its longest edges then and now.
+std::vector<double> relative_face_distances(const Mesh& mesh, const std::vector<double>& original,
                                             const std::vector<double>& x, const std::vector<char>& measured = {});
 
 // A table with a row for each, below a line that says from what; "" where there are none.

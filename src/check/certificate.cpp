@@ -115,8 +115,8 @@ private:
     }
 };
 
-// First by the coefficients alone, simplices sharply; then sharply where that does not prove an element plainly valid,
-// or where it leaves open what the least value of all is.
+// First pass: bisection for simplices, the coefficients alone for other cells. Second pass: bisection for the others
+// that the first neither proves plainly valid nor excludes as the worst element.
 template <int n>
 void bound_all(const Mesh& mesh, const std::vector<double>& x, const CertificateParams& params,
                std::vector<Bounds>& bounds) {

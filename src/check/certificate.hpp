@@ -1,9 +1,9 @@
 // A certificate that every element of the mesh is valid everywhere, not only at sample points.
 //
-// The vertices of an element span a straight-sided one with the map J_s. Its scaled Jacobian is det J / |det J_s|
-// (Toulorge et al., J. Comput. Phys. 254, 2013; exactly 1 for a straight-sided simplex), of other cells than simplices
-// over the mean of det J_s; a polynomial (element_jacobian.hpp). Its Bezier coefficients bound it from below; bisection
-// sharpens the bound. This holds for straight-sided hexahedra, prisms and pyramids too: positive corners prove nothing.
+// Let J_s be the Jacobian of the straight-sided element with the same vertices. The scaled Jacobian of a simplex is det
+// J / |det J_s| (Toulorge et al., J. Comput. Phys. 254, 2013; exactly 1 if it is straight), that of other cells det J
+// over the mean of det J_s: a polynomial (element_jacobian.hpp). Its Bezier coefficients bound it from below; bisection
+// sharpens the bound. Straight-sided hexahedra, prisms and pyramids need this too: positive corners prove nothing.
 //
 // Cost: per element, one product with a matrix of nodes x nodes, and a cross and a dot product of polynomials with
 // vectors as coefficients; few elements of a mesh of good quality need bisection.
@@ -25,8 +25,8 @@ struct Certificate {
     bool valid = false;               // every element is certified valid: det J > 0 everywhere
     int undecided = 0;                // elements proved neither valid nor invalid
     std::vector<int> uncertified;     // elements that are invalid or undecided, lowest bound first
-    // Per element; 0 where its vertices span no volume or x is not finite. To the tolerance, but for cells other than
-    // simplices where it is above 0.1 and above the least scaled Jacobian of all.
+    // Per element, to the tolerance; 0 if its vertices span no volume or x is not finite. Not sharpened for cells other
+    // than simplices if above 0.1 and above the least scaled Jacobian of all.
     std::vector<double> lower_bound;
 };
 

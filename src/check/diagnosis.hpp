@@ -1,5 +1,5 @@
-// What holds up a run that did not end as it should, and where: a node or an element of its last mesh. Each kind of
-// diagnosis is found from that mesh alone, and says no more than what it measures.
+// Why a run failed, and where: a node or an element of its last mesh. Each kind of diagnosis is found from that mesh
+// alone, and says no more than what it measures.
 //
 //   off_target  the boundary node farthest from its target, in heights of the cells at it
 //   unbalanced  the node with the largest part of |grad E|

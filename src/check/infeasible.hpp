@@ -1,13 +1,13 @@
-// Faces and elements that no positions of the other nodes make valid, as the boundary is prescribed.
+// Faces and elements that the prescribed boundary makes invalid, wherever the other nodes are.
 //
 // A face is infeasible where the target folds it, mirrors its part of the boundary or takes it through another
-// (target_check.hpp). Of an element the derivative at a vertex depends on the nodes of the edges there, along an edge
+// (target_check.hpp). In an element, the derivative at a vertex depends on the nodes of the edges there, along an edge
 // of a tetrahedron on those of the two faces that meet in it, and so on: on a face s of any dimension it depends on the
-// nodes of the simplices spanned by s and one more vertex. Where all of these nodes are held, the determinant on s is
-// what they make it, whatever the mesh inside. Infeasible are elements with two faces on one smooth boundary, between
-// which the angle becomes 180 degrees, those across a gap that closes, and flat ones, whose nodes slide in one plane.
-// CAD surfaces make elements infeasible by their curvature where the nodes that are not vertices crowd: nodes that
-// slide along the surface there may mend that, a node inside the element may mend others.
+// nodes of the simplices spanned by s and one more vertex. If all of these nodes are fixed, they determine the
+// determinant on s, whatever the mesh inside. Infeasible are elements with two faces on one smooth boundary whose angle
+// becomes 180 degrees, elements across a gap that closes, and flat ones whose nodes slide in one plane. The curvature
+// of a CAD surface makes elements infeasible if the nodes that are not vertices crowd: sliding along the surface may
+// help these elements, a node inside the element may help others.
 #pragma once
 #include <string>
 #include <vector>
@@ -33,9 +33,9 @@ struct InfeasibleElement {
     bool division_helps = false;    // by nodes on its inner_simplices()
 };
 
-// Elements whose scaled Jacobian is at most `bound` somewhere where the nodes that are held determine it, ascending,
-// without what may help. x: node_count x dim. held: per node. Cost: O(elements), and for those all of whose vertices
-// are held what check/certificate takes.
+// Elements, ascending, whose scaled Jacobian is at most `bound` at a point where the held nodes determine it; the flags
+// of what may help are not set. x: node_count x dim. held: per node. Cost: O(elements), and for those all of whose
+// vertices are held what check/certificate takes.
 std::vector<InfeasibleElement> infeasible_elements(const Mesh& mesh, const std::vector<double>& x,
                                                    const std::vector<char>& held, double bound = 0);
 
@@ -49,16 +49,15 @@ struct Infeasible {
     bool division_helps() const;    // in all elements
 };
 
-// Where the target takes the boundary, and with it the elements whose scaled Jacobian it makes at most `bound`: 0 where
-// no valid mesh keeps it, a little more where none of any use does. Other cells than simplices that are as bad in the
-// ideal mesh, or half as bad, are not among them. What the target leaves open, because it slides or is free, is passed
-// over. ideal: node_count x dim.
+// The faces that the target makes invalid, and the elements whose scaled Jacobian it makes at most `bound`: with 0 no
+// valid mesh reaches the target, with a little more no useful one does. Cells other than simplices that are below the
+// bound in the ideal mesh already, and keep half of their value, are left out. Faces whose positions the target leaves
+// open, because they slide or are free, are passed over. ideal: node_count x dim.
 Infeasible find_infeasible(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target,
                            double bound = 0);
 
-// With the boundary at x, per element why it is infeasible, "" for one that may be valid. x: node_count x dim; where
-// the constraint does not hold at x, nodes of the boundary stay at x, or are at the target. sliding: null where no node
-// slides.
+// Per element the reason why it is infeasible with the boundary at x, "" if it may be valid. x: node_count x dim; if
+// the constraint does not hold at x, the boundary is tested at x and at the target. sliding: null if no node slides.
 std::vector<std::string> why_infeasible(const Mesh& mesh, const std::vector<double>& x, Constraint& constraint,
                                         const BoundaryTarget& target, const SlidingSurfaces* sliding);
 
@@ -68,9 +67,9 @@ std::string describe(const Mesh& mesh, const Infeasible& infeasible);
 // The elements at faces that are at fault or cross others, then those that are infeasible themselves.
 std::vector<int> elements_of(const Mesh& mesh, const Infeasible& infeasible);
 
-// Per node of the mesh, whether it is prescribed by the target and on a face that is infeasible, or at an element that
-// is, or on a face next to these, or, where elements are folded by their curvature, in one plane with those; in degree
-// 1 it is a vertex of such faces and elements.
+// Per node of the mesh: whether the target prescribes it and it is on a face with a vertex of an infeasible face or
+// element or, if all elements are infeasible by curvature, on a face in one plane with these; in degree 1 it must
+// itself be a vertex of an infeasible face or element.
 std::vector<char> nodes_to_free(const Mesh& mesh, const BoundaryTarget& target, const Infeasible& infeasible);
 
 // Elements that are not valid, for a user: all of them as text for the file invalid.csv, and the first ten.

@@ -73,8 +73,8 @@ private:
     }
 };
 
-// The first vertex whose elements go around it more than once, or -1. place: of each node; the elements at nodes with
-// the same one go around one point.
+// The first vertex at which the angles of the elements exceed a full turn, or -1. place: of each node; nodes with the
+// same place count as one.
 int overlapped_vertex(const Mesh& mesh, const std::vector<double>& x, const std::vector<int>& place) {
     constexpr double of_positions = 16 * std::numeric_limits<double>::epsilon();
     std::vector<double> turns(mesh.nodes(), -1e-8);  // but for what may be rounding

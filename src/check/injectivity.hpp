@@ -1,27 +1,26 @@
-// Whether the mesh covers every point once: no two elements overlap, not only none inverted.
+// Whether the mesh is injective: it covers every point once, so that no two elements overlap.
 //
 // Let every element be valid (certificate.hpp). The number of points that the map phi takes to y is then the degree of
 // phi at y, which depends on the boundary alone, and changes only across the image of the boundary (Lipman, ACM Trans.
-// Graph. 33(4), 2014, for straight meshes): by one for each face there, up to the side where its element is. Two faces
-// with the same points and opposite normals, the lips of a crack, change nothing: phi is that of a mesh that is glued
-// together there. Its boundary is that of the mesh without such pairs, its nodes are the places of the mesh's nodes.
+// Graph. 33(4), 2014, for straight meshes): it rises by one towards the element of each face there. Two faces with the
+// same points and opposite normals, the lips of a closed crack, change nothing: the mesh counts as glued together
+// there. Such pairs do not belong to its boundary, and nodes at the same place are one node.
 //
-// Let R be where phi covers points twice, and let there be such. R ends at faces, with their elements inside: along
-// part of a face F, points just behind it are in its element and in another one. Either this holds all along F, and
+// Let the set R of points that phi covers twice be not empty. R ends at faces whose elements are inside R: along part
+// of a face F, points just behind it are in its element and in another one. Either this holds all along F, and
 // the centre of F is in such an element. Or it begins at a point inside F where another face G is, which ends R as
 // well, so that elements at G overlap the one behind F. G goes through F there, or it touches F. So phi covers no point
 // twice where
 //   - no two faces cross (check_target(); of neighbours in 3D their common side alone is looked at),
 //   - the element behind each face overlaps no other one that the centre of the face is in,
 //   - where F and G touch, the element behind F overlaps none at the vertices of G, and the other way round,
-// the last two by separating axes of the elements, after bisections where they are curved. What touches does not
-// overlap, in whatever way it touches. All this is up to a distance of 1e-9 of an edge, and what positions are rounded
-// by. As a check of its own, the angles at every place must add up to 2 pi in 2D, the solid angles to 4 pi in 3D, at
-// the boundary to no more.
+// the last two by separating axes of the elements, after bisection if they are curved. Elements that merely touch do
+// not overlap. All tests have a tolerance of 1e-9 of an edge plus the rounding of the positions. As an independent
+// check, the angles of the elements at a point may add up to 2 pi at most, in 3D their solid angles to 4 pi.
 //
-// Where boundaries are declared to be in contact (Mesh::contact), elements at one may overlap those at the other. What
-// is certified then is that nothing else overlaps, and how far faces of one reach into elements at the other is
-// measured, at points of theirs; by more than a quarter of an edge, it is not certified.
+// If boundaries are declared to be in contact (Mesh::contact), elements at one may overlap those at the other. Then it
+// is certified that nothing else overlaps, and the depth to which faces of one reach into elements at the other is
+// measured at sample points; if it exceeds a quarter of an edge, the mesh is not certified.
 #pragma once
 #include <array>
 #include <string>
@@ -51,10 +50,10 @@ std::string overlap_text(const Mesh& mesh, const Injectivity& found, const Frame
 // x: node_count x dim positions; certificate: of these. Cost: O(elements), and that of check_target().
 Injectivity certify_injective(const Mesh& mesh, const std::vector<double>& x, const Certificate& certificate);
 
-// Whether elements lie over each other: the second and third of the conditions above. report: that of the same
-// positions. In curved elements the answer is yes too where they are too close to tell. The first two elements, the
-// one behind a boundary face first; -1: none. x: node_count x dim positions. Cost: O(elements log faces), and of
-// touching faces that of separating the elements at them.
+// The first two elements that overlap by the second or third condition above, the one behind a boundary face first; -1:
+// none. report: that of the same positions. Curved elements that are too close to decide count as overlapping.
+// x: node_count x dim positions. Cost: O(elements log faces), and for touching faces that of separating
+// their elements.
 std::array<int, 2> overlapping_elements(const Mesh& mesh, const std::vector<double>& x, const TargetReport& report);
 
 }  // namespace almesh

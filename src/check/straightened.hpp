@@ -1,9 +1,9 @@
-// A curved mesh with as few elements straightened, by as little, as make it valid: it shows that a certified mesh
-// exists, and where that cannot be the curved one.
+// Straightens as few elements of a curved mesh, by as little, as make it valid. This shows that a certified mesh
+// exists, and where it is not the curved one.
 //
-// The nodes of an element at fault go a quarter of the way from their curved to their straight positions, then another,
-// until all are there; nodes that elements share go as far as the one that asks most. The last step of all is the
-// straight-sided mesh, so this ends.
+// The nodes of an element at fault move a quarter of the way from their curved to their straight positions, then
+// another quarter, until no element is at fault; a shared node moves as far as the element that needs most. This ends
+// with the straight-sided mesh at the latest.
 #pragma once
 #include <functional>
 #include <vector>
@@ -26,8 +26,8 @@ struct Straightened {
 Straightened straightened(const Mesh& mesh, const std::vector<double>& straight, const std::vector<double>& curved,
                           const ElementsAtFault& at_fault);
 
-// As certify_injective() of injectivity.hpp, of a mesh whose curved form and whose straight one may each overlap itself
-// where the other does not.
+// certify_injective() of injectivity.hpp relative to the curved and to the straight form of the mesh, since one of them
+// may overlap itself where the other does not.
 Injectivity certify_curved(Mesh mesh, const std::vector<double>& straight, const std::vector<double>& curved,
                            const std::vector<double>& x, const Certificate& certificate);
 

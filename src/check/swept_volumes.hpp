@@ -23,7 +23,7 @@ std::vector<MeshFace> mesh_faces(const Mesh& mesh);
 // The nodes of a face in Gmsh's order, around it as seen from outside of its element. local: of the mesh's degree.
 std::vector<int> nodes_of(const Mesh& mesh, const SideNodes& local, const MeshFace& face);
 
-// Of each of the faces, > 0 where it goes out of its element. before, now: nodes x dim.
+// Per face, > 0 if it moves out of its element. before, now: nodes x dim.
 std::vector<double> swept_volumes(const Mesh& mesh, const std::vector<MeshFace>& faces,
                                   const std::vector<double>& before, const std::vector<double>& now);
 

@@ -8,11 +8,10 @@
 //   - faces cross each other, or neighbours are folded flat onto each other;
 //   - a closed part is moved into or out of another one, through it or past it;
 //   - distinct nodes fall together, on the side where the elements are.
-// Crossings, folds and coincident nodes of the initial mesh are no faults of the target. Nor is what touches from
-// outside, up to touching_distance of patch.hpp: lips of a crack, which may close, open and slide. Faces with equal
-// nodes are taken as glued together there, as sides of two elements inside the mesh are. Other faces that touch are
-// listed. What may overlap is not compared (Overlaps). In 3D, neighbours are not tested for crossing beside what they
-// share.
+// Crossings, folds and coincident nodes of the initial mesh are no faults of the target. Nor is contact from outside,
+// up to touching_distance of patch.hpp: the lips of a crack may close, open and slide. Two faces with equal nodes count
+// as glued together, like the sides of two elements inside the mesh. Other faces that touch are listed. Faces that may
+// overlap (Overlaps) are not compared. In 3D, neighbours are not tested for crossing away from what they share.
 //
 // Cost: O(faces log faces), plus the bisections of faces that come close to each other, plus O(faces parts).
 #pragma once

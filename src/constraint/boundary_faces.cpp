@@ -193,15 +193,15 @@ double extent(const std::vector<Vec<3>>& points) {
 // Where faces are tangled their surfaces become part of larger ones beside them on which all their nodes lie: of that
 // with most common sides. Not of the other side of a slit.
 void join_surfaces(const BoundaryFaces& faces, std::vector<SurfaceOfFaces>& found) {
-    std::vector<int> of(faces.face.size());
+    std::vector<int> owner(faces.face.size());
     std::vector<double> size;
     for (std::size_t k = 0; k < found.size(); ++k) {
-        for (const int f : found[k].faces) of[f] = static_cast<int>(k);
+        for (const int f : found[k].faces) owner[f] = static_cast<int>(k);
         size.push_back(extent(faces.points(found[k].faces)));
     }
     std::vector<std::pair<int, int>> between;
     for (std::size_t s = 0; s < faces.side.size(); ++s)
-        if (of[faces.side[s].first] != of[faces.side[s].second] && faces.side_angle[s] < turned_over)
+        if (owner[faces.side[s].first] != owner[faces.side[s].second] && faces.side_angle[s] < turned_over)
             between.push_back(faces.side[s]);
     const auto lies_on = [&](const std::vector<Vec<3>>& points, int b) {
         constexpr double tolerance = 1e-8;
@@ -212,7 +212,7 @@ void join_surfaces(const BoundaryFaces& faces, std::vector<SurfaceOfFaces>& foun
     const auto best_for = [&](int a) {
         std::map<int, int> common;  // sides, by surface
         for (const auto& [f, g] : between)
-            if ((of[f] == a) != (of[g] == a)) ++common[of[f] == a ? of[g] : of[f]];
+            if ((owner[f] == a) != (owner[g] == a)) ++common[owner[f] == a ? owner[g] : owner[f]];
         const std::vector<Vec<3>> points = faces.points(found[a].faces);
         int best = -1;
         for (const auto& [b, sides] : common)
@@ -226,7 +226,7 @@ void join_surfaces(const BoundaryFaces& faces, std::vector<SurfaceOfFaces>& foun
         for (int a = 0; a < static_cast<int>(found.size()); ++a) {
             const int b = found[a].faces.empty() ? -1 : best_for(a);
             if (b < 0) continue;
-            for (const int f : found[a].faces) of[f] = b;
+            for (const int f : found[a].faces) owner[f] = b;
             found[b].faces.insert(found[b].faces.end(), found[a].faces.begin(), found[a].faces.end());
             found[a].faces.clear();
             again = true;

@@ -1,5 +1,4 @@
-// The faces of some boundaries, moved, and the surfaces that they are on: where they are cut into smooth parts, and
-// what each part is (sliding.hpp).
+// The moved faces of some boundaries: how they are cut into smooth parts, and which surface each part is (sliding.hpp).
 //
 // Faces that share a side are joined unless their normals there differ by more than an angle. Faces of a tangled mesh
 // may be turned over, or have no extent: then parts that are on one surface are joined whatever the angles are, but not
@@ -44,10 +43,10 @@ struct BoundaryFaces {
     // By the elementary entity of the file: the faces of a CAD model.
     std::vector<std::vector<int>> cut_by_entity(const std::vector<int>& faces) const;
 
-    // Null where the faces are on none of the surfaces that it knows.
+    // The surface of fit_surface() on which the faces lie; null: there is none.
     std::unique_ptr<Surface> fitted(const std::vector<int>& faces) const;
 
-    // Whose normals are not across those of the faces, as those of the cylinder through the ends of a prism are.
+    // The quadric's normals must not be across those of the faces, as for a cylinder through the ends of a prism.
     bool on_one_quadric(const std::vector<int>& faces) const;
 
     std::unique_ptr<Surface> own(const std::vector<int>& faces) const;  // the faces themselves

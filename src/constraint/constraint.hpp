@@ -3,9 +3,9 @@
 //
 //     C(x) = -(lambda, c) + mu/2 |c|^2,
 //
-// in a scalar product of the boundary with (1, 1) = |1|^2. Nothing here says that c is linear, which nodes it acts on,
-// or how many multipliers a node has. dirichlet.hpp prescribes positions, sliding_boundary.hpp for some nodes no more
-// than that they are on surfaces.
+// in a scalar product of the boundary with (1, 1) = |1|^2. The interface does not assume that c is linear, nor fix
+// which nodes it acts on or how many multipliers a node has. dirichlet.hpp prescribes positions, sliding_boundary.hpp
+// only requires some nodes to be on surfaces.
 //
 // Evaluations use work space of the object: one call at a time. x: node_count x dim positions everywhere.
 #pragma once
@@ -21,7 +21,7 @@
 
 namespace almesh {
 
-// How far a node at x is from where it should be: r is zero where P c = 0.
+// The residual r of a node at x, zero if P c = 0 there, and its derivative.
 struct SurfaceDistance {
     Vec<3> r{};
     Mat<3> slope{};  // D, of r with respect to x
@@ -34,13 +34,13 @@ public:
     virtual int multipliers() const = 0;                     // length of lambda
     virtual double norm_of_one() const = 0;                  // |1|
     virtual double norm(const std::vector<double>& x) = 0;   // |c|
-    // |P c|, P the projection onto the space of the multipliers: what can be made zero, and is tested for it.
+    // |P c|, P the projection onto the multiplier space: the part of c that can vanish, used by the stopping tests.
     virtual double projected_norm(const std::vector<double>& x) = 0;
-    // Largest distance of a boundary node from where it should be; of points between the nodes of faces all of whose
-    // nodes have a position where they should be.
+    // Largest distance of a boundary node from its target or surface; and of points between nodes from the target, on
+    // faces all of whose nodes are prescribed.
     virtual double max_error(const std::vector<double>& x) = 0;
     virtual double error_between_nodes(const std::vector<double>& /*x*/) { return 0; }
-    // The distance of each of nodes() from where P c = 0 would have it, over the height of the cells at that node.
+    // The distance of each of nodes() from its position with P c = 0, over the height of the cells at that node.
     virtual std::vector<double> relative_errors(const std::vector<double>& x) const = 0;
     double relative_error(const std::vector<double>& x) const {  // the largest of them
         double largest = 0;
@@ -51,8 +51,8 @@ public:
     virtual double value(const std::vector<double>& x, const std::vector<double>& lambda, double mu) = 0;
     virtual void add_gradient(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
                               std::vector<double>& g) = 0;
-    // projected: a positive semidefinite matrix in place of the Hessian mu dc dc + (mu c - lambda) d2c, where the
-    // second term makes it indefinite: without it (Gauss-Newton), or with its negative eigenvalues filtered.
+    // projected: replaces the Hessian mu dc dc + (mu c - lambda) d2c, whose second term may be indefinite, by a
+    // positive semidefinite matrix: without that term (Gauss-Newton), or with its negative eigenvalues filtered.
     virtual void add_hessian(const std::vector<double>& x, const std::vector<double>& lambda, double mu, bool projected,
                              BlockCsr& H) = 0;
     virtual void update_multipliers(const std::vector<double>& x, double mu, std::vector<double>& lambda) = 0;
@@ -64,13 +64,13 @@ public:
     virtual void correct(const std::vector<double>& /*x*/, const std::vector<double>& /*d*/, double /*t*/,
                          std::vector<double>& /*y*/) const {}
 
-    // Restricted to some nodes: C up to a constant, as a function of the positions of these alone, in their numbers.
-    // Entries of derivatives are right where nodes move; the others do not count. What is measured between nodes is
-    // left to the whole. lambda: on return the multipliers of the part.
+    // Restriction to some nodes: C up to a constant, as a function of their positions alone, in their numbering.
+    // Derivatives are correct for nodes that move, and for no others. Errors between nodes are not measured. lambda: on
+    // return the multipliers of the restriction.
     virtual std::unique_ptr<Constraint> part(const Restriction& around, std::vector<double>& lambda) const = 0;
 
-    // For derivatives of the solution. Of nodes()[t] at x: r, where it is prescribed the distance from its target, and
-    // D; sum over k of force_k times the second derivative of r_k.
+    // For derivatives of the solution: r and D of nodes()[t] at x (r of a prescribed node is the vector from its
+    // target); and the sum over k of force_k times the second derivative of r_k.
     virtual SurfaceDistance distance(int t, const Vec<3>& x) const = 0;
     virtual Mat<3> second_derivative_at(int /*t*/, const Vec<3>& /*x*/, const Vec<3>& /*force*/) const { return {}; }
 
@@ -81,12 +81,12 @@ public:
     virtual std::vector<double> constraint_field(const std::vector<double>& x) const = 0;  // P c
     // nodes().size() x dim positions at which P c = 0, those closest to x; empty where there are none to be had.
     virtual std::vector<double> targets(const std::vector<double>& /*x*/) const { return {}; }
-    // Per node: whether its position x is not where P c = 0, to the last bit or as nearly as it can be computed.
+    // Per node: whether x is off its target, exactly or, for a node that slides, by more than rounding.
     virtual std::vector<char> off_target(const std::vector<double>& /*x*/) const { return {}; }
 };
 
-// Per node of the mesh: how many directions the constraint takes from it, from 0 (it may go anywhere) to dim (it
-// stays). Empty where the constraint does not hold at x.
+// Per node of the mesh: the number of directions in which the constraint fixes it, from 0 (free) to dim (fixed). Empty
+// if x does not satisfy the constraint.
 inline std::vector<int> held_directions(Constraint& constraint, const std::vector<double>& x, int dim) {
     constexpr double off_target = 1e-10;
     if (!(constraint.max_error(x) <= off_target)) return {};
@@ -95,7 +95,7 @@ inline std::vector<int> held_directions(Constraint& constraint, const std::vecto
     for (std::size_t t = 0; t < nodes.size(); ++t) {
         Vec<3> at{};
         std::copy_n(point(x, nodes[t], dim), dim, at.begin());
-        const Mat<3> D = constraint.distance(static_cast<int>(t), at).slope;  // near to a projection
+        const Mat<3> D = constraint.distance(static_cast<int>(t), at).slope;  // nearly a projector
         held[nodes[t]] = std::min(dim, static_cast<int>(std::lround(D[0][0] + D[1][1] + D[2][2])));
     }
     return held;

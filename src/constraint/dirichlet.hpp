@@ -12,12 +12,12 @@
 // the trace mass matrix M_ij = (N_i, N_j), r = x - g_h on the boundary nodes:
 //     -(lambda, c_D) + mu/2 |c_D|^2 = -lambda^T M r / |1| + mu/2 (r^T M r / |1|^2 + e_h^2)
 //     gradient M (mu r / |1|^2 - lambda / |1|),   Hessian mu M / |1|^2,   update lambda <- lambda - mu r / |1|.
-// That is the target `least_squares`, the paper's. Nodes of boundaries that are fixed are held: the projection is that
-// among the functions with their values there, and the two are orthogonal only where phi has these values too.
+// That is the target `least_squares` of the paper. Nodes of fixed boundaries keep their positions: the projection is
+// onto the functions with these values, and the orthogonality holds only for a phi that has them too.
 // With the nodal target g_h interpolates g_D at the nodes, and e_h is zero by definition. Where every motion is affine,
 // g_D is in the trace space: interpolation is the projection, and e_h is zero but for rounding.
 //
-// sliding_boundary.hpp has another r in the same form.
+// sliding_boundary.hpp uses the same form with another r.
 #pragma once
 #include <memory>
 #include <vector>

@@ -5,7 +5,7 @@
 //
 // Kinds of steps: fixed, translate, rotate, twist, scale, formulas, positions of single nodes from a file, and the
 // projections circle, sphere, cylinder, which take a point to its closest one on a curved surface: the target of mesh
-// curving. `slide` at the end leaves the nodes free to move along the boundary or another mesh's, `free` altogether.
+// curving. A final `slide` lets the nodes move along the boundary or that of another mesh, `free` anywhere.
 // Coordinates in a step are those after the steps before it: the centre of a rotation is not moved by them. Which steps
 // fit a mesh is known only with its dimension: check_dimension(). Cost of apply(): O(number of steps) per point.
 #pragma once
@@ -31,7 +31,7 @@ enum class NodeKind : unsigned char {
 
 inline bool is_prescribed(NodeKind kind) { return kind <= NodeKind::target; }
 
-inline constexpr const char* file_of_line = "-";  // the name of a file that the coupled solver tells with the time
+inline constexpr const char* file_of_line = "-";  // stands for a file that the coupled solver names with the time
 
 struct MotionForm;  // a kind of step: one row of the table in motion.cpp
 
@@ -58,7 +58,7 @@ struct MotionStep {
     std::vector<Expression> formulas; // one for each axis
     std::vector<TimedNumber> timed;   // whose values at the time t are among the numbers
     double t = 0;
-    double fraction = 1;              // of the way that it takes a point; of a turn always 1
+    double fraction = 1;              // of the displacement of a point; always 1 for a turn
     std::shared_ptr<const PositionAt> position = {};          // of given_by()
     std::shared_ptr<const std::vector<double>> places = {};   // of given_by(): nodes x dim, in place of a file
 
@@ -75,8 +75,8 @@ struct Motion {
 // with it and its form.
 Motion parse_motion(std::string_view text, const Constants& constants = {});
 
-// Positions by a function, at the time t, which turns the boundary by so many degrees from the time 0 on; and those of
-// the nodes of the mesh file.
+// Positions at the time t by a function, which turns the boundary by so many degrees since the time 0; and positions of
+// all nodes, nodes x dim, in place of a file.
 Motion given_by(PositionAt position, double t, double degrees);
 Motion given_by(std::vector<double> places);
 
@@ -93,8 +93,8 @@ void check_dimension(const Motion& motion, int dim);
 // projection is undefined: at the centre of the circle or sphere, on the axis of the cylinder.
 bool apply(const Motion& motion, int dim, double* x);
 
-// The motion at a fraction of it, in [0, 1]: turns by that part of their angle, of all other steps that part of the way
-// of every point.
+// The motion at a fraction in [0, 1]: turns and twists by that part of their angle, functions at that part of the time,
+// other steps by that part of the displacement of a point.
 Motion at_fraction(Motion motion, double fraction);
 
 // The motion with angles in [-180, 180]: the same target, by the shorter way.
@@ -102,9 +102,9 @@ Motion shortest(Motion motion);
 
 double turn(const Motion& motion);  // sum of the angles of its steps, without sign, in degrees
 
-// Whether a mesh that has followed the motion `before` leads to `now`, the same steps with other numbers: no turn from
-// one to the other is above 90 degrees, and the whole one, unless it is taken as written, not above 180: from there on
-// the other way round is the shorter one.
+// Whether a mesh at the motion `before` is a start for `now`, the same steps with other numbers: no turn between them
+// exceeds 90 degrees and, unless turns are taken as written, no whole turn exceeds 180 degrees, beyond which the other
+// way round is shorter.
 bool leads_to(const Motion& before, const Motion& now, bool as_written);
 
 Motion motion_of(NodeKind kind);  // not `target`: the motion `fixed`, `slide` or `free`

@@ -1,10 +1,10 @@
-// Along what the boundaries slide whose motion ends in `slide`.
+// The surfaces along which boundaries slide: those whose motion ends in `slide`.
 //
-// A boundary is cut into smooth parts: first where faces meet at more than 60 degrees, and each part that is a plane,
-// sphere, cylinder or torus (2D: a line or circle) stays one; the others are cut again at the feature angle, and what
-// is then no such surface slides along its own faces. The surfaces are those of the mesh as read, where the motion
-// takes it: a refined mesh slides along the same ones. They may also be those of another mesh, as its file has them:
-// each face of the run's boundary then slides along the part nearest to where the motion takes it.
+// A boundary is cut into smooth parts: at angles above 60 degrees, then at the feature angle, then by the entities of
+// the CAD model, until each part is a plane, sphere, cylinder, torus or other quadric (2D: a line or conic). A part
+// that is none of these slides along its own faces. The surfaces are those of the mesh as read, moved by the motion, so
+// that a refined mesh slides along the same ones. They may also be those of another mesh file: each face of the run's
+// boundary then slides along the part nearest to the moved face.
 #pragma once
 #include <array>
 #include <map>
@@ -29,9 +29,9 @@ struct OtherSurface {
 
 class SlidingSurfaces {
 public:
-    // node: face x face node x dim, where the motions take the faces of `base`. slides: per boundary, and so is
-    // `other`, or empty. feature_angle in degrees. frame: of the positions given to closest() and of the meshes given
-    // to part(), by those of `node`.
+    // node: face x face node x dim, the moved faces of `base`. slides and other: per boundary; other may be empty.
+    // feature_angle in degrees. frame: takes the positions given to closest(), and the meshes given to part(), to the
+    // frame of `node`.
     SlidingSurfaces(const Mesh& base, const std::vector<double>& node, const std::vector<char>& slides,
                     double feature_angle, const Frame& frame, const std::vector<OtherSurface>& other = {});
 
@@ -47,15 +47,15 @@ public:
     bool knows(int boundary) const { return !faces_[boundary].part.empty(); }
     bool is_of_other_mesh(int part) const { return faces_[boundary_[part]].other != nullptr; }
 
-    // The part along which face f of the mesh slides: `base`, of any degree and refined any number of times, so that
-    // each of its faces is as many of the mesh's, one after the other. In another mesh the part of the face that is
-    // nearest to where the motion takes f.
+    // The part along which face f of `mesh` slides. The mesh is `base`, of any degree and refined any number of times:
+    // each face of the base is an equal number of consecutive faces of the mesh. With another mesh: the part of its
+    // face that is nearest to the moved face f.
     int part(const Mesh& mesh, int f) const;
 
     SurfacePoint closest(int part, const Vec<3>& x) const;
 
-    // Where the part is the mesh's own faces: a smooth patch around a node's position after the motion, as the file's
-    // numbers, along which it slides instead, as a part of its own.
+    // If the part is the mesh's own faces, adds a smooth patch around the node's moved position x (in the file's frame)
+    // as a part of its own, along which the node slides instead.
     void add_patch(int node, int part, const Vec<3>& x);
 
     // The patch of the node, or the part itself.
@@ -78,7 +78,7 @@ private:
     };
 
     int dim_;
-    std::vector<int> place_;  // per face of the base: which of its boundary's it is
+    std::vector<int> place_;  // per face of the base: its number within its boundary
     Frame frame_;
     LagrangeBasis basis_;                   // of the patches
     std::vector<Points> points_;            // per part: of its nodes, where it is the mesh's own faces

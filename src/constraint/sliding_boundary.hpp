@@ -1,15 +1,15 @@
-// Boundaries of which some nodes are freed to slide, beside others whose positions are prescribed.
+// A boundary with nodes that slide or are free, and others whose positions are prescribed.
 //
-// A node that slides is to be on the surfaces of the parts that it is on: on one, on the curve in which two of them
-// meet, or at the corner of three. With r_i(x_i) the sum of its distance vectors from them (sliding_nodes.hpp), in
-// place of r = x - g_h in dirichlet.hpp, and D_i = dr_i/dx_i,
+// A node that slides must stay on the surface of its part or, in 3D, on the curve where two parts meet; at a corner its
+// position is prescribed. Let r_i(x_i) be the sum of its distance vectors from these surfaces (sliding_nodes.hpp), in
+// place of r = x - g_h in dirichlet.hpp, and D_i = dr_i/dx_i. Then
 //
 //     C = -lambda^T M r / |1| + mu/2 r^T M r / |1|^2,
 //     gradient D' f,  f = M (mu r / |1|^2 - lambda / |1|),   Hessian mu D' M D / |1|^2 + f . d2r/dx2,
 //
-// D_i = I where the position is prescribed, 0 where the node is free. D_i projects onto the normals where x is on the
-// surface: the node is free in other directions, and multipliers along the surface are of no account. d2r/dx2 is
-// exact where x is on the surface; the Hessian without it (Gauss-Newton) is positive semidefinite. The target is nodal.
+// with D_i = I for a prescribed position and D_i = 0 for a free node. On the surface D_i projects onto the normals: the
+// node is free in other directions, and tangential multipliers have no effect. d2r/dx2 is exact on the surface; the
+// Hessian without it (Gauss-Newton) is positive semidefinite. The target is nodal.
 #pragma once
 #include <memory>
 #include <vector>
@@ -22,8 +22,8 @@ class SlidingSurfaces;
 
 class SlidingBoundary : public Dirichlet {
 public:
-    // sliding: null where no boundary slides, but some are free. Throws InputError where a prescribed position is off
-    // the surface along which the node slides as well.
+    // sliding: null if some boundaries are free and none slides. Throws InputError if a node of a sliding boundary has
+    // a prescribed position that is off the surface.
     SlidingBoundary(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target,
                     std::shared_ptr<const SlidingSurfaces> sliding);
 
@@ -46,15 +46,15 @@ private:
     SlidingBoundary(const SlidingBoundary& whole, const Restriction& around);
 
     std::shared_ptr<const SlidingSurfaces> sliding_;
-    std::vector<char> prescribed_;         // trace nodes: whether the position is, at g_h_
-    std::vector<std::vector<int>> parts_;  // trace nodes: along which it slides
+    std::vector<char> prescribed_;         // trace nodes: whether fixed at g_h_
+    std::vector<std::vector<int>> parts_;  // trace nodes: those it slides along
 
     std::vector<double> residual(const std::vector<double>& x) const override { return residual(x, nullptr); }
     std::vector<double> residual(const std::vector<double>& x, std::vector<double>* slope) const;
     Vec<3> at(const std::vector<double>& x, int trace_node) const;
 };
 
-// Prescribed positions where the target has no others, whatever the surfaces; else the target is nodal.
+// Dirichlet if the target prescribes all positions; else SlidingBoundary, whose target is nodal.
 std::unique_ptr<Constraint> make_constraint(const Mesh& mesh, const std::vector<double>& ideal,
                                             const BoundaryTarget& target, TargetKind kind,
                                             std::shared_ptr<const SlidingSurfaces> sliding);

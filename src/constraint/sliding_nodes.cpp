@@ -12,10 +12,10 @@
 namespace almesh {
 namespace {
 
-constexpr int most_steps = 20;  // to a point of surfaces,
-constexpr double rounding = 1e-16;  // the shortest of which is that times |x|
-constexpr double tangent = 0.17;  // sine of the angle below which two surfaces touch, and their common nodes stay,
-constexpr double in_wedge = 0.02;  // but of planes whose normals point apart: their edge is known where they are thin
+constexpr int most_steps = 20;  // of Newton's method to a point of surfaces,
+constexpr double rounding = 1e-16;  // which ends with a step below this times |x|
+constexpr double tangent = 0.17;  // sine of the angle below which two surfaces count as tangent: common nodes stay
+constexpr double in_wedge = 0.02;  // the same for planes whose normals point apart: thin bodies have such edges
 
 double least_sine(const SurfacePoint& before, const SurfacePoint& at) {
     const auto is_zero = [](const Vec<3>& row) { return dot(row, row) == 0; };
@@ -29,15 +29,15 @@ Vec<3> perpendicular(Vec<3> n, const std::vector<Vec<3>>& basis) {
     return n;
 }
 
-// Whether the surfaces leave a node at x no way to go, or touch there, so that their common curve is not told by them.
+// Whether the surfaces fix a node at x, or are tangent there, so that they do not define their common curve.
 bool stays(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x, int dim) {
     std::vector<Vec<3>> normals;  // orthonormal
     SurfacePoint before;
     for (const int part : parts) {
-        const SurfacePoint at = sliding.closest(part, x);
-        const Vec<3> n = perpendicular(at.normal, normals);
-        const double least = normals.size() == 1 ? least_sine(before, at) : tangent;
-        before = at;
+        const SurfacePoint projection = sliding.closest(part, x);
+        const Vec<3> n = perpendicular(projection.normal, normals);
+        const double least = normals.size() == 1 ? least_sine(before, projection) : tangent;
+        before = projection;
         if (length(n) < least || static_cast<int>(normals.size()) + 1 == dim) return true;
         normals.push_back(1 / length(n) * n);
     }
@@ -96,9 +96,9 @@ std::array<double, 3> distances(const SlidingSurfaces& sliding, const std::vecto
                                 const Vec<3>& d) {
     std::array<double, 3> result{};
     for (std::size_t k = 0; k < parts.size(); ++k) {
-        const SurfacePoint at = sliding.closest(parts[k], x);
-        const Vec<3> change = {dot(at.slope[0], d), dot(at.slope[1], d), dot(at.slope[2], d)};
-        result[k] = dot(x - at.position + change, at.normal);
+        const SurfacePoint projection = sliding.closest(parts[k], x);
+        const Vec<3> change = {dot(projection.slope[0], d), dot(projection.slope[1], d), dot(projection.slope[2], d)};
+        result[k] = dot(x - projection.position + change, projection.normal);
     }
     return result;
 }

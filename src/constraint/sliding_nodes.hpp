@@ -13,14 +13,14 @@ class SlidingSurfaces;
 
 Vec<3> in_space(const double* x, int dim);  // dim coordinates, in 2D with a third of 0
 
-// The point at which the surfaces of the parts meet, from x.
+// The common point of the surfaces of the parts, by iteration from x.
 Vec<3> on_surfaces(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x);
 
-// The point at these signed distances from the surfaces, from x: by Newton's method, one plane per surface.
+// The point at these signed distances from the surfaces, by Newton's method from x with their tangent planes.
 Vec<3> at_distances(const SlidingSurfaces& sliding, const std::vector<int>& parts, Vec<3> x,
                     const std::array<double, 3>& distances);
 
-// Those of x + d, to first order in d.
+// Signed distances of x + d, to first order in d.
 std::array<double, 3> distances(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x,
                                 const Vec<3>& d);
 
@@ -33,14 +33,14 @@ SurfaceDistance distance_to(const SlidingSurfaces& sliding, const std::vector<in
 Mat<3> second_derivative(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x,
                          const Vec<3>& force);
 
-// Gives the nodes that the target frees smooth patches where they would slide along the mesh's own faces. The target
-// has the file's numbers.
+// Adds smooth patches for the nodes that the target frees and that would slide along the mesh's own faces. target: in
+// the file's frame.
 void smooth_freed(const Mesh& mesh, const BoundaryTarget& target, SlidingSurfaces& sliding);
 
-// The parts along which each of the nodes (numbers in the mesh) slides; none where its position is prescribed, where it
-// is a corner, and where it is free; those that the target frees slide. faces: face x face node, indices in `nodes`.
-// g: positions of the nodes, n x dim; on return on the surface, where that is another mesh's. fixed: per node, whether it
-// is fixed to its position. Throws InputError where a prescribed position is off the surface.
+// Per entry of `nodes` (numbers in the mesh), the parts along which the node slides: none if it is prescribed, free or
+// a corner. Nodes that the target frees slide. faces: face x face node, indices in `nodes`. g: positions of the nodes,
+// n x dim; on return nodes that slide along another mesh are on its surface. fixed: on return per node, whether its
+// position is prescribed. Throws InputError if a prescribed position is off the surface.
 std::vector<std::vector<int>> sliding_parts(const Mesh& mesh, const BoundaryTarget& target,
                                             const SlidingSurfaces* sliding, const std::vector<int>& nodes,
                                             const std::vector<int>& faces, std::vector<double>& g,

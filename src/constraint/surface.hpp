@@ -14,7 +14,7 @@ namespace almesh {
 // The closest-point projection p of x onto a surface, with d the signed distance, x = p + d n. x is on the surface
 // where p = x.
 struct SurfacePoint {
-    Vec<3> position, normal;  // p; the unit normal n there, of either side
+    Vec<3> position, normal;  // p; the unit normal n there, to either side
     Mat<3> slope{};           // derivative of x - p with respect to x: n n' + d S
     Mat<3> curvature{};       // S, the second derivative of d at x
 };
@@ -41,20 +41,20 @@ std::unique_ptr<Surface> fit_surface(int dim, const std::vector<Vec<3>>& points,
 // points of it, but for x beyond its centres of curvature.
 std::unique_ptr<Surface> fit_quadric(int dim, const std::vector<Vec<3>>& points, double tolerance);
 
-// A smooth piece of surface through a point, of which only points around it are known: what a mesh has of a CAD
-// surface. The faces of the mesh meet at angles there; nodes that slide a little must not. It is the graph of a
-// polynomial of degree up to 4 over the plane through `centre` with the given normal, zero at the centre and nearest to
-// the points around it in weighted least squares. Null where these are too few for degree 2 or lie on fewer lines.
+// A smooth patch through `centre`, for a surface that is known by some of its points only, as a CAD surface is by its
+// mesh. The faces of the mesh meet at angles, which a node that slides a little must not feel. The patch is the graph
+// of a polynomial of degree up to 4 over the plane through `centre` with the given normal, zero at the centre, fitted
+// to the points around it by weighted least squares. Null if they are too few for degree 2 or lie on fewer lines.
 std::unique_ptr<Surface> fit_height_patch(int dim, const Vec<3>& centre, const Vec<3>& normal,
                                           const std::vector<Vec<3>>& points);
 
-// Faces, flat ones as cubics through the same corners, with normals interpolated from means at their nodes. These are
-// continuous where faces meet at an angle, and so is the closest-point projection: p in that face at whose p the
-// normal points to x. node: numbers of the nodes of each patch, as in the basis' order.
+// The faces of a mesh, flat ones replaced by cubics through the same corners, with interpolated normals. These are
+// continuous where faces meet at an angle, and so is the closest-point projection: p is the point whose interpolated
+// normal points to x. node: per patch the numbers of its nodes, in the order of the basis.
 std::unique_ptr<Surface> surface_of_faces(const PatchBasis& basis, const std::vector<Patch>& patches,
                                           const std::vector<std::vector<int>>& node);
 
-// Of x on p, from the unit normal there and S at x.
+// The projection p of x, with the unit normal n at p and S at x.
 SurfacePoint projection_at(const Vec<3>& x, const Vec<3>& p, const Vec<3>& n, const Mat<3>& S);
 
 // The same on a surface q = 0; g and H: gradient and second derivatives of q at p. With n = g / |g| and d the distance

@@ -49,15 +49,15 @@ std::vector<double> values_at(const LagrangeBasis& basis, const Quadrature& rule
     return N;
 }
 
-// Of a face's node, given by its weights of the vertices, of sum `degree`: their mean.
+// The weighted mean of the vertices at a node of a face; the weights add up to `degree`.
 double on_flat_face(const double* vertices, const std::vector<double>& weight, int degree, int dim, int a) {
     double position = 0;
     for (std::size_t v = 0; v < weight.size(); ++v) position += weight[v] * vertices[v * dim + a];
     return position / degree;
 }
 
-// Where nodes go that two boundaries send to positions which differ by more than a small part of the faces there, in the
-// mesh with the positions x. Throws where the rule is `refuse`.
+// The positions of nodes to which two boundaries give positions that differ by more than a small fraction of the faces
+// there. x: positions of the mesh. Throws if the rule is `refuse`.
 std::map<int, Vec<3>> settled_positions(const Mesh& mesh, const std::vector<double>& x, const BoundaryTarget& target,
                                         const SharedNodes& shared) {
     const int dim = mesh.dim;
@@ -76,8 +76,8 @@ std::map<int, Vec<3>> settled_positions(const Mesh& mesh, const std::vector<doub
         Vec<3> way{};
         for (int c = 0; c < dim; ++c) way[c] = b[c] - a[c];
         const double most = std::max({std::abs(way[0]), std::abs(way[1]), std::abs(way[2])});
-        if (most <= rounding || most <= 1e-6 * std::min(face_size(mesh, x, seen.face), face_size(mesh, x, f)) + rounding)
-            return;
+        if (most <= rounding) return;
+        if (most <= 1e-6 * std::min(face_size(mesh, x, seen.face), face_size(mesh, x, f)) + rounding) return;
         claims[mesh.faces[k]];
         if (shared.rule != SharedNodes::refuse) return;
         throw InputError("node ", mesh.file.node_id[mesh.faces[k]], " lies on two boundaries whose motions disagree: ",

@@ -1,5 +1,5 @@
-// The Dirichlet data g_D of the constraint phi = g_D (paper, Eq. 4): for each boundary face, where the motion of its
-// boundary takes the face as read from the file.
+// The Dirichlet data g_D of the constraint phi = g_D (paper, Eq. 4): for each boundary face as read from the file, its
+// image under the motion of its boundary.
 #pragma once
 #include <vector>
 
@@ -10,7 +10,7 @@
 
 namespace almesh {
 
-// What the constraint takes of g_D: its values at the nodes, or its best approximation in the mean.
+// The approximation of g_D in the constraint: its values at the nodes, or its best approximation in the mean.
 enum class TargetKind { nodal, least_squares };
 
 // Of faces of one type: the rule on the reference face, the basis functions at its points.
@@ -31,8 +31,8 @@ struct BoundaryTarget {
     std::vector<FaceRule> rules;  // by type of faces
     std::vector<double> node;     // face x face node x dim: g_D at the nodes of the face
     std::vector<double> sample;   // face x quadrature point x dim: g_D at the quadrature points
-    std::vector<NodeKind> written_kind;  // as `kind` and `node`, by the motion of the face's own boundary, before nodes
-    std::vector<double> written;         // were freed, kept or shared; always in the file's frame
+    std::vector<NodeKind> written_kind;  // `kind` and `node` by the motion of the face's own boundary, before nodes
+    std::vector<double> written;         // were freed, fixed or shared; always in the file's frame
 
     const double* node_of(const Mesh& mesh, int f) const { return &node[mesh.face_start(f) * mesh.dim]; }
     // Whether node mesh.faces[k] slides although the motion of its boundary prescribes its position; whether any does.
@@ -46,13 +46,13 @@ struct BoundaryTarget {
 // Where a file has the nodes of a boundary, nodes x dim each.
 struct PlacedBoundary {
     std::vector<double> x;         // empty: there is no file
-    std::vector<double> left_out;  // not 0 at nodes that it leaves to slide or to be free; empty: at none
+    std::vector<double> left_out;  // not 0 at nodes that it does not list, which slide or are free; empty: none
 };
 
 using PlacedNodes = std::vector<PlacedBoundary>;  // per boundary, or empty
 
-// What becomes of a node whose boundaries send it to different positions: an error, that of the boundary of the lowest
-// rank, or the mean of theirs. The faces at it follow as their basis functions do.
+// The rule for a node to which two boundaries give different positions: an error, the position of the boundary of
+// lowest rank, or the mean. The faces at the node follow by their basis functions.
 struct SharedNodes {
     enum Rule { refuse, first, mean } rule = refuse;
     std::vector<int> rank{};  // per boundary
@@ -71,11 +71,10 @@ inline BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& m
 // decides.
 std::vector<double> at_target(const Mesh& mesh, const BoundaryTarget& target, std::vector<double> x);
 
-// Per boundary: the kind of its nodes that have the least freedom, as with nodes that a file leaves out. kind: face x
-// face node.
+// Per boundary: the kind of its least free node; nodes that a file leaves out may be freer. kind: face x face node.
 std::vector<NodeKind> kinds_of_boundaries(const Mesh& mesh, const std::vector<NodeKind>& kind);
 
-// Per node: whether a face has it of these kinds: of one that is prescribed, or not free, or freed to slide.
+// Per node: whether its kind on some face is prescribed; is not free; is freed to slide.
 std::vector<char> prescribed_nodes(const Mesh& mesh, const BoundaryTarget& target);
 std::vector<char> held_nodes(const Mesh& mesh, const BoundaryTarget& target);
 std::vector<char> freed_nodes(const Mesh& mesh, const BoundaryTarget& target);

@@ -217,7 +217,7 @@ std::vector<double> TraceSpace::relative_distances(const std::vector<double>& x,
 
 std::vector<double> TraceSpace::interpolation(const Mesh& mesh, const BoundaryTarget& target) const {
     std::vector<double> g_h(size());
-    for (std::size_t k = faces.size(); k-- > 0;)  // the first face that holds a node decides, as in target_check
+    for (std::size_t k = faces.size(); k-- > 0;)  // the first face that has a node decides, as in at_target()
         for (int a = 0; a < mesh.dim; ++a) g_h[offset(faces[k], mesh.dim, a)] = target.node[k * mesh.dim + a];
     return g_h;
 }

@@ -3,8 +3,8 @@
 //     (u, v) = sum over boundary faces f of the integral over f of u . v / h_f = u^T M v,
 //
 // h_f the length (2D) or the square root of the area (3D) of the ideal face, a straight one: the area of a bilinear
-// quadrilateral and integrals over it are those of the target's quadrature. A function is its values at the trace nodes,
-// trace nodes x dim.
+// quadrilateral and integrals over it are those of the target's quadrature. A function is its values at the trace
+// nodes, trace nodes x dim.
 #pragma once
 #include <algorithm>
 #include <vector>
@@ -33,7 +33,7 @@ struct TraceSpace {
     // entries between others. It has no faces.
     TraceSpace(const TraceSpace& whole, const Restriction& around);
 
-    // Of a function on the whole (or another array with so many entries per trace node) those at the nodes of this.
+    // The entries of a function on `whole`, or of another array per trace node, at the nodes of this space.
     template <class Array>
     Array restricted(const Array& whole) const {
         const std::size_t entries = whole.size() / std::max<std::size_t>(1, whole_count_);
@@ -46,7 +46,7 @@ struct TraceSpace {
     int count() const { return M.n; }
     std::size_t size() const { return nodes.size() * dim; }  // of a function
 
-    // Of a point of a face's rule: of integrals over the reference face, weighted by what they have of the face's area.
+    // Quadrature weight of a point on the reference face, times the area element over |f| (simplices: times 1).
     double weight(const FaceRule& rule, int f, int q) const {
         return density_.empty() ? rule.quadrature.weight[q] : rule.quadrature.weight[q] * density_[rule.sample(f, q)];
     }
@@ -64,9 +64,9 @@ struct TraceSpace {
             for (int a = 0; a < n; ++a) Mv[a] += M.value[k] * v[offset(M.col[k], n, a)];
     }
 
-    // |x - y| at the trace nodes, x: mesh nodes x dim.
+    // |x - y| at the trace nodes, x: mesh nodes x dim; relative: over the height of the cells there.
     std::vector<double> distances(const std::vector<double>& x, const std::vector<double>& y) const;
-    std::vector<double> relative_distances(const std::vector<double>& x, const std::vector<double>& y) const;  // / height
+    std::vector<double> relative_distances(const std::vector<double>& x, const std::vector<double>& y) const;
 
     // The target at the nodes, and its projection, M g_h = (N, g_D), with the nodes of fixed boundaries held there.
     std::vector<double> interpolation(const Mesh& mesh, const BoundaryTarget& target) const;

@@ -4,7 +4,7 @@
 // The nodes are first taken to reference coordinates, relative to node 0: there a boundary-layer element of aspect
 // ratio 50000 is of size one like any other. This is done by the inverse of J_c, the derivative of the map at the
 // centre with columns made perpendicular; of simplices the Jacobian of the straight-sided one of the vertices, where it
-// is not much smaller, as in a valid element bent so far that its vertices lie nearly on a line. With y = J_c^{-1} (x - x_0)
+// is not much smaller, as in a valid element so bent that its vertices are nearly on a line. With y = J_c^{-1} (x - x_0)
 //
 //     det J / det J_c = (dy/dxi_0 x dy/dxi_1) . dy/dxi_2     (n = 2: dy/dxi_0 x dy/dxi_1)
 //
@@ -133,9 +133,9 @@ public:
     // of_.jacobian.count coefficients of b_k, in units of |det J_c|.
     const T* coefficients(int k) const { return b_[k]; }
 
-    // First-order effect on them of errors of a few units in the last place of y. Thin elements that are bent are large
-    // in one coordinate of the frame only: so but for simplices each coordinate has an error of its own, e_a, and
-    // a product of tangents that of its factors, whatever their signs.
+    // First-order effect on the coefficients of errors of a few units in the last place of y. Thin bent elements are
+    // large in one coordinate of the frame only: so, except for simplices, each coordinate a has its own error e_a, and
+    // the error of a product of tangents is bounded by those of its factors, whatever their signs.
     T rounding() const {
         constexpr double epsilon = std::numeric_limits<double>::epsilon(), factorial = n == 2 ? 2 : 6;
         const double of_one = 16 * epsilon * n * of_.steepness * of_.position.amplification;
@@ -155,7 +155,7 @@ public:
         return sum;
     }
 
-    // |det J_c|, and whether it is far enough from zero, to rounding, for the above to mean anything. Per lane.
+    // |det J_c|, and whether it exceeds its rounding error, without which all bounds are meaningless. Per lane.
     T unit() const { return magnitude(det_); }
     auto has_frame() const { return magnitude(det_) > smallest_det_; }
 

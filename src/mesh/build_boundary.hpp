@@ -40,12 +40,12 @@ struct MeshBuild {
 
 std::string name_of(const RawElement& element);  // "element 12 (line 40)", "element 12" of a binary file
 
-// Fills the faces of the mesh, whose nodes and elements are there already. Those in no group are the boundary
-// `untagged`, or where all are, connected parts `boundary-1`, ..., with the ids and entities of the file's untagged
-// ones. Tagged faces inside the mesh, and those that the file has more than once, go to MeshBuild::kept. Returns the
-// pairs of elements that lie on the same side of their common face: none in a valid mesh. Where elements are there more
-// than once, no more is done than to fill MeshBuild::repeated. Throws InputError where faces and elements are
-// inconsistent (see build_mesh()).
+// Fills the faces of the mesh, whose nodes and elements are there already. Faces in no group are the boundary
+// `untagged` or, if no face is in a group, `boundary` (`boundary-1`, ... for several connected parts), with the ids and
+// entities of the file's untagged faces. Tagged faces inside the mesh, and repeated ones, go to MeshBuild::kept.
+// Returns the pairs of elements that lie on the same side of their common face: none in a valid mesh. If elements are
+// repeated, it only fills MeshBuild::repeated. Throws InputError if faces and elements are inconsistent (see
+// build_mesh()).
 //
 // Faces are matched by their vertices: those with the same lowest vertex are sorted. Cost: O(elements log(elements
 // around a vertex)) time, in parallel; 32 bytes per tetrahedron (24 per triangle).

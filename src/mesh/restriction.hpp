@@ -1,5 +1,5 @@
-// Some nodes of a mesh move, all others stay where they are: the elements with a node that moves, and the nodes of
-// these with numbers of their own, which an energy and a constraint have that are restricted to them.
+// The restriction of a mesh to some nodes that move: the elements with such a node, and the nodes of these elements in
+// a numbering of their own, which restricted energies and constraints use.
 #pragma once
 #include <span>
 #include <vector>
