@@ -13,18 +13,18 @@
 
 namespace {
 
-// Threads that wait shall spin for some ten microseconds, about what the others mostly need, and then sleep, unless
-// the user has said otherwise: where other programs want the cores too, spinning ones make a run several times as
-// long. OpenMP libraries read the environment once: clang++'s when it is first used, g++'s before main(). The latter is
-// linked into the program (Makefile), whose constructors run in the order of their priority: this one is first.
+// Waiting threads spin for some ten microseconds, about what they mostly have to wait, and then sleep, unless the user
+// has said otherwise: if other programs want the cores too, spinning makes a run several times as long. OpenMP
+// libraries read the environment once: clang++'s at its first use, g++'s before main(). The latter is linked into the
+// program (Makefile), whose constructors run in the order of their priority: this one is first.
 [[gnu::constructor(101)]] void let_waiting_threads_sleep() {
     if (std::getenv("OMP_WAIT_POLICY")) return;
     setenv("OMP_WAIT_POLICY", "passive", 0);
     setenv("GOMP_SPINCOUNT", "1000", 0);
 }
 
-// What is freed, up to some size, stays with the program: else every local minimisation takes its arrays from the
-// system anew, page by page, for a tenth of its time.
+// Keeps freed memory, up to a limit, in the program: else every local minimisation would get its arrays from the system
+// anew, page by page, for a tenth of its time.
 void keep_freed_memory() {
 #ifdef __GLIBC__
     constexpr int kept = 256 << 20, largest = 32 << 20;  // bytes, of all and of one array
@@ -33,7 +33,7 @@ void keep_freed_memory() {
 #endif
 }
 
-// An exception cannot leave a parallel loop, so that running out of memory inside one would end in std::terminate.
+// An exception cannot leave a parallel loop: a failed allocation inside one would call std::terminate.
 void end_without_memory() {
     std::fflush(stdout);
     std::fputs(almesh::out_of_memory, stderr);

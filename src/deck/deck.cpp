@@ -312,7 +312,7 @@ Sweep parse_sweep(std::string_view text) {
     return sweep;
 }
 
-// The schedules of the paper do not follow the motion unless they are told to.
+// A deck with all keys and their values, which repeats the run.
 std::string resolved(const Deck& deck) {
     Deck shown = deck;
     shown.mesh = relative_path(deck.output, deck.mesh);

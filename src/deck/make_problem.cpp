@@ -85,9 +85,9 @@ std::vector<double> volumes_by_size(const Deck& deck, const Problem& problem) {
     return volumes;
 }
 
-// The positions of the nodes of the file `path`, which `key` names, that have the ids of those of the problem's mesh, in
-// the run's frame. Elements are the same where the ids of their nodes are, in whatever order. Throws InputError where its
-// elements are not those of the mesh, and where one is not valid.
+// The positions of the nodes of the file `path`, which `key` names, that have the ids of those of the problem's mesh,
+// in the run's frame. Elements are the same where the ids of their nodes are, in whatever order. Throws InputError where
+// its elements are not those of the mesh, and where one is not valid.
 std::vector<double> read_positions(const Deck& deck, const std::string& key, const std::string& path,
                                    const Problem& problem) try {
     const Mesh& mesh = problem.mesh();

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "base/text.hpp"
 #include "deck/make_problem.hpp"

@@ -20,8 +20,8 @@ namespace {
 constexpr int first_power = 8, last_power = 64, steps_of_power = 8;
 constexpr double worthwhile = 0.002;  // part of the energy that a step has to gain for another one
 constexpr double quadratic_part = 0.03;
-constexpr double margin = 0.15;      // of s that counts as bad, towards 1
-constexpr double stabilising = 1e-3, least_stiffness = 1e-6;  // parts of a node's own stiffness, and of the largest
+constexpr double margin = 0.15;      // s < s_0 + margin (1 - s_0) is bad
+constexpr double stabilising = 1e-3, least_stiffness = 1e-6;  // fractions of the own and of the largest stiffness
 
 // E_p of the corners of elements with a node that moves, as a function of the positions of these nodes.
 class CornerFunctional : public Functional {

@@ -13,10 +13,10 @@
 namespace almesh {
 namespace {
 
-constexpr int most_al_iterations = 6, most_newton_steps = 16;  // what needs more is not to be had
+constexpr int most_al_iterations = 6, most_newton_steps = 16;  // a part that needs more fails
 constexpr double first_penalty = 1e3, next_penalty = 1e5;  // in units of |1|^2
-// What can be had comes this near to its target, of the way there, within a few steps with the first penalty, and ten
-// times as near with the next one.
+// A feasible part comes this near to its target, relative to its initial distance, within a few steps with the first
+// penalty, and ten times nearer with the next one.
 constexpr double near = 0.25, nearer = 0.1;
 
 // The smooth surfaces at the nodes of the file, wherever they have slid meanwhile.
@@ -26,7 +26,7 @@ std::shared_ptr<SlidingSurfaces> surfaces_of_part(const SlidingSurfaces& whole, 
     return surfaces;
 }
 
-// From the start in result.x: with penalties that grow while the boundary comes near enough to its target. Whether it
+// Minimises from result.x with growing penalties while the boundary comes near enough to its target; returns whether it
 // does.
 bool minimise(const ProblemOptions& options, const Level& level, int first_steps, CurvedPartResult& result) {
     Newton newton(level.energy->hessian_pattern(), options.linear, {.forcing = options.forcing});

@@ -1,4 +1,4 @@
-// Some elements of a mesh, curved as a problem of their own: their nodes that others have too are fixed.
+// Some elements of a mesh, curved as a separate problem: nodes that they share with others are fixed.
 #pragma once
 #include <vector>
 
@@ -11,12 +11,12 @@ namespace almesh {
 
 double work_of(const Mesh& mesh, int e);  // blocks of the element's Hessian
 
-// The chosen elements in sets of neighbours, by their vertices, each of so many at most, or with the work of so many
-// tetrahedra of degree 3.
+// Divides the chosen elements into sets connected by vertices, each of at most `at_once` elements and with the work of
+// at most so many tetrahedra of degree 3.
 std::vector<std::vector<int>> places_of(const Mesh& mesh, const std::vector<char>& chosen, std::size_t at_once);
 
 struct CurvedPart : MeshPart {  // in the run's frame; x: the straight-sided form
-    // Nodes x dim: as in the file, as they are, and where the boundary is to go.
+    // Nodes x dim: as in the file, at present, and with the boundary on its target.
     std::vector<double> in_file, start, curved;
     std::vector<char> freed;  // per node: whether it slides along the whole's surfaces; empty: none
 
@@ -30,12 +30,12 @@ struct CurvedPart : MeshPart {  // in the run's frame; x: the straight-sided for
     // What is infeasible with the positions `curved` of nodes that are not freed. bound: as of the mesh.
     Infeasible find_infeasible(double bound) const;
 
-    // Per node: whether it is on a boundary face of infeasible elements, and not on the cut; or of the faces around them
-    // too, as nodes_to_free() of a mesh has it.
+    // Per node: whether it is on a face of an infeasible element; around: or on a face beside these, as nodes_to_free()
+    // of a mesh has it. Nodes on the cut are excluded by free_nodes() only.
     std::vector<char> nodes_to_free(const Infeasible& infeasible, bool around) const;
 
-    // Frees these nodes, but for those on the cut. Their target is where the file has them: elsewhere surfaces may
-    // leave them no way to go.
+    // Frees the chosen nodes that are not on the cut. Their target is their position in the file: at others, their
+    // surfaces may fix them.
     void free_nodes(std::vector<char> chosen);
 
     // The same of boundary nodes chosen among those of the whole.

@@ -17,12 +17,12 @@ namespace almesh {
 namespace {
 
 constexpr double small_work = 5e5;  // blocks of all elements' Hessians: about a second for all steps of a solution
-constexpr int most_al_iterations = 6, most_newton_steps = 20;  // of the whole mesh, when there is another way
+constexpr int most_al_iterations = 6, most_newton_steps = 20;  // of the whole mesh, if parts may follow
 
-// What is tried, in this order, each where those before have left elements straightened: with the boundary of a part,
-// whose largest number of these elements is at_once (of tetrahedra of degree 3), how far around them in units of their
-// edges, and with how many Newton steps before it has to be near (curved_part.hpp). Planes keep their shape wherever
-// nodes slide in them: large parts then have the room that they need.
+// The attempts, each for elements that are still straightened: the boundary condition of a part, the largest number of
+// these elements in it (as tetrahedra of degree 3), the reach around them in units of their edges, and the Newton steps
+// after which the boundary must be near its target (curved_part.hpp). Planes keep their shape if nodes slide in them:
+// parts may then be large.
 enum class Boundary { stays, slides_inside_planes, slides_in_planes, slides, slides_around, flattens };
 struct Attempt {
     Boundary boundary;
@@ -136,7 +136,7 @@ private:
     std::vector<char>& freed_ = standing_.freed;  // per node: whether it has slid, or could have
     std::vector<char>& is_straightened_ = standing_.straight;  // per element: by straighten(), not curved again yet
     std::vector<double> bound_;          // per element: of its scaled Jacobian, from below
-    std::set<std::vector<int>> slid_;    // places whose nodes around have slid, to no avail
+    std::set<std::vector<int>> slid_;    // sets for which slides_around has failed
     std::shared_ptr<SlidingSurfaces> surfaces_;  // null: not made yet
     bool has_no_surfaces_ = false;
     std::vector<char> is_in_planes_;  // per node of the boundary: whether all faces at it are; with surfaces_
@@ -180,7 +180,7 @@ private:
                 if (!freed_[i]) std::copy_n(point(mesh_.x, i, mesh_.dim), mesh_.dim, point(curved, i, mesh_.dim));
             }
         }
-        if (curved == solution_.x) return true;  // others around have done it
+        if (curved == solution_.x) return true;  // by the parts around
         if (attempt.boundary == Boundary::slides_around && slid_.contains(place)) return false;
         CurvedPart part(problem_, surroundings(mesh_, is_of_place, attempt.reach), solution_.x, curved);
         return release(part, is_of_place, attempt.boundary) && curve(part, attempt, place);

@@ -1,4 +1,4 @@
-// Curved meshes whose boundary is to stay where the file has it: CAD meshes, made valid.
+// Makes curved meshes valid whose boundary should stay as it is in the file: CAD meshes.
 #pragma once
 #include <cstdio>
 
@@ -7,26 +7,26 @@
 
 namespace almesh {
 
-// From the mesh of the file with its invalid elements straightened, which is certified (check/straightened.hpp), to one
-// that keeps as much of the boundary as it can. Around connected sets of elements that are still straightened, in this
-// order, each everywhere before the next:
+// Starts from the mesh of the file with its invalid elements straightened, which is certified (check/straightened.hpp),
+// and restores as much of the curved boundary as possible. These attempts are made in this order, each around all
+// connected sets of elements that are still straightened:
 //   1. the boundary as it is in the file, the nodes inside move;
 //   2. nodes slide in planes, which keep their shape: in large sets those that are no vertices, then all;
-//   3. the nodes slide along the surface that are on boundary faces of elements which the boundary alone makes invalid,
-//      then those of the faces beside them too, around larger sets and around smaller ones;
+//   3. nodes on boundary faces of elements that the boundary alone makes invalid slide along the surface, then those of
+//      the faces beside them too, around larger sets and around smaller ones;
 //   4. faces of these elements become flatter, as few and by as little as makes no element invalid by itself, beside
 //      planes in which nodes slide;
 //   5. what was straightened stays so.
-// Each is a problem of its own on the elements around, whose other nodes are fixed, and counts when it is certified.
+// Each is a separate problem on the elements around, with all other nodes fixed, and is accepted if it is certified.
 //
-// A small mesh, whose nodes can all move in about a second, is solved as a whole: before, where the boundary alone
-// makes no element invalid, else after, from there and with the boundary that was found, unless step 5 was needed.
-// local_repair: never or always only as parts.
-// What is certified last is the result, also where the run is interrupted. On return the problem's target is where the
-// boundary is, with the nodes that slid freed; straight_faces() are those that are not where the file has them.
+// A small mesh, which is solved in about a second, is also solved as a whole: before the attempts if the boundary alone
+// makes no element invalid, else after them, from their mesh and with its boundary, unless step 5 was needed.
+// local_repair = 0 treats every mesh as small, local_repair = 1 none.
+// The result is the mesh certified last, also if the run is interrupted. On return the problem's target is the boundary
+// of that mesh, and the nodes that slid are freed; straight_faces() are the faces that differ from the file.
 //
-// The mesh so far is that of the whole mesh before anything is straightened, then that of the parts: a part that was
-// being solved, and the whole mesh after the parts, are solved again by a run that goes on.
+// The mesh so far is that of the first solution as a whole, then that of the parts: a resumed run solves again the part
+// that was interrupted, and the whole mesh after the parts.
 Solution curve_in_place(const ProblemOptions& options, Problem& problem, const Solve& solve,
                         const StageObserver& observe, MeshSoFar& so_far, std::FILE* out);
 

@@ -60,7 +60,7 @@ bool FrameSolver::is_valid_between(const std::vector<double>& from, const std::v
     return valid;
 }
 
-// A quadrature that was refined on the way would be another functional, and so would one that is about to be.
+// Resets refined quadratures, and refinements that are due: each would change the functional of this frame.
 void FrameSolver::prepare(const ProblemOptions& options) {
     const Level& level = *problem_.level;
     if (!level.energy || !level.energy->quadrature().refinements.empty()) set_functional(options, problem_);
@@ -68,7 +68,7 @@ void FrameSolver::prepare(const ProblemOptions& options) {
     level.energy->set_quadrature({});
 }
 
-// x: the nearest to the target of those that lead there. Returns its name, "" for none.
+// x: the admissible start nearest to the target. Returns its name, "" if there is none.
 std::string FrameSolver::start(const ProblemOptions& options, double t, const FramesBefore& before,
                                std::vector<double>& x) const {
     constexpr double about_equal = 1.1;  // so that rounding does not decide

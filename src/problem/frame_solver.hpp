@@ -50,7 +50,7 @@ public:
     // Whether the motions of one frame lead to those of another: leads_to().
     bool leads(const ProblemOptions& options, const std::vector<Motion>& before, const std::vector<Motion>& now) const;
 
-    // Whether every mesh (1 - s) from + s to, 0 <= s <= 1, is certified valid. Both are.
+    // Whether every mesh (1 - s) from + s to, 0 <= s <= 1, is certified valid, as both ends are.
     bool is_valid_between(const std::vector<double>& from, const std::vector<double>& to) const;
 
 private:

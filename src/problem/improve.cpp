@@ -25,7 +25,7 @@ namespace {
 
 bool is_feasible(const Problem& problem, int e) { return problem.infeasible.empty() || problem.infeasible[e].empty(); }
 
-// Of elements that can be valid: what must not fall, at the corners, and everywhere relative to the straight element.
+// Least values over the feasible elements, which must not fall: at the corners, and of the certified bound.
 struct LeastJacobian {
     double corner = std::numeric_limits<double>::infinity(), certified = corner;
     bool is_below(const LeastJacobian& other) const { return corner < other.corner || certified < other.certified; }
@@ -41,7 +41,7 @@ LeastJacobian least_jacobian(const Problem& problem, const std::vector<double>& 
     return least;
 }
 
-// Those that can be valid and are not.
+// Feasible elements that are not valid.
 std::vector<int> invalid_elements(const Problem& problem, const std::vector<double>& x) {
     std::vector<int> invalid = certify(problem.mesh(), x).uncertified;
     std::erase_if(invalid, [&](int e) { return !is_feasible(problem, e); });
@@ -54,7 +54,7 @@ std::vector<char> valid_elements(const Mesh& mesh, const std::vector<double>& x)
     return valid;
 }
 
-// Whether no element is asked to be other than good, and the boundary to be elsewhere than on its surface.
+// Whether the file's mesh may be the result: regular ideal elements, and a boundary that stays on its surface.
 bool may_stay(const ProblemOptions& options, const Problem& problem) {
     const auto stays = [](const Motion& motion) {
         return is_fixed(motion) || motion == motion_of(NodeKind::slides);
@@ -62,7 +62,7 @@ bool may_stay(const ProblemOptions& options, const Problem& problem) {
     return options.ideal == IdealKind::regular && std::all_of(problem.motions.begin(), problem.motions.end(), stays);
 }
 
-// But for elements that cannot be valid: with these no more than that the boundary is not worse than in the file.
+// Valid and injective. With infeasible elements: the others valid, the boundary with no more faults than in the file.
 bool is_certified(const Problem& problem, const std::vector<double>& x) {
     const Mesh& mesh = problem.mesh();
     const auto faults = [&](const std::vector<double>& at) {
@@ -84,17 +84,19 @@ Solution ended_at(const Problem& problem, std::vector<double> x, Status status) 
     return solution;
 }
 
-// Elements whose boundary makes them invalid need not be valid from here on.
-void find_infeasible_elements(const ProblemOptions& options, Problem& problem, const std::vector<double>& x, std::FILE* out) {
+// Lists the elements that the boundary makes invalid: they need not become valid.
+void find_infeasible_elements(const ProblemOptions& options, Problem& problem, const std::vector<double>& x,
+                              std::FILE* out) {
     set_functional(options, problem);
     auto why = why_infeasible(problem.mesh(), x, *problem.level->constraint, problem.target, problem.sliding.get());
     const auto count = why.size() - std::count(why.begin(), why.end(), "");
     if (count == 0) return;
-    print(out, "note: ", counted(count, "element"), " invalid whatever the nodes inside do: all others are made better\n");
+    print(out, "note: ", counted(count, "element"),
+          " invalid whatever the nodes inside do: all others are made better\n");
     problem.infeasible = std::move(why);
 }
 
-// Moves x, the first mesh, which has these invalid elements, to a valid one, but for elements that are then infeasible.
+// Untangles x, the first mesh, which has these invalid elements. Those that stay invalid become infeasible.
 void untangle(const ProblemOptions& options, Problem& problem, const std::vector<int>& invalid, std::vector<double>& x,
               int& newton_steps, std::FILE* out) {
     const Mesh& mesh = problem.mesh();
@@ -131,9 +133,10 @@ void untangle(const ProblemOptions& options, Problem& problem, const std::vector
           " in ", counted(all.regions, "region"), "\n");
 }
 
-Solution improved(const ProblemOptions& options, Problem& problem, const Solve& solve, int& newton_steps, std::FILE* out) {
+Solution improved(const ProblemOptions& options, Problem& problem, const Solve& solve, int& newton_steps,
+                  std::FILE* out) {
     const Mesh& mesh = problem.mesh();
-    // A run that goes on begins as it did before: what it knows better is where the first solution starts.
+    // A resumed run repeats these steps; only its first solution starts from the mesh so far.
     const std::vector<double> so_far = problem.standing ? std::exchange(problem.start, {}) : std::vector<double>();
     std::vector<double> x = problem.start.empty() ? mesh.x : problem.start;
     const bool was_certified = invalid_elements(problem, x).empty();
@@ -149,7 +152,7 @@ Solution improved(const ProblemOptions& options, Problem& problem, const Solve& 
         take_along_target(problem, problem.start.empty() ? mesh.x : problem.start, x);
         hold_curved_faces(options, problem, x);
         for (std::size_t k = told; k < problem.notes.size(); ++k) print(out, "note: ", problem.notes[k], "\n");
-        if (options.ideal != IdealKind::mesh) problem.level->ideal = x;  // by which faces and heights are measured
+        if (options.ideal != IdealKind::mesh) problem.level->ideal = x;  // the measure of faces and heights
     }
     problem.start = so_far.empty() ? x : so_far;
     const LeastJacobian before = least_jacobian(problem, x);
@@ -181,7 +184,7 @@ Solution improved(const ProblemOptions& options, Problem& problem, const Solve& 
     return solution;
 }
 
-// The last row is of all elements, those that cannot be valid too.
+// Measures the last row for all elements, infeasible ones included.
 void count_infeasible(const ProblemOptions& options, Problem& problem, Solution& solution) {
     if (problem.infeasible.empty()) return;
     std::vector<std::string> why;
@@ -194,7 +197,7 @@ void count_infeasible(const ProblemOptions& options, Problem& problem, Solution&
     why.swap(problem.infeasible);
 }
 
-// A boundary that is where it has to be, none of whose nodes slides, needs no multipliers: half the Newton steps do.
+// A boundary on its target without sliding nodes needs no multipliers, which saves half of the Newton steps.
 ProblemOptions with_boundary_set(const ProblemOptions& options, const Problem& problem) {
     const auto is_set = [&](const Motion& motion) {
         return is_fixed(motion) || (motion == motion_of(NodeKind::slides) && !problem.sliding);
@@ -207,7 +210,7 @@ ProblemOptions with_boundary_set(const ProblemOptions& options, const Problem& p
     return set;
 }
 
-// Of simplices, where the boundary need not be elsewhere and no power is asked for.
+// For linear simplices, if the file's mesh may stay and no power is asked for.
 void raise_worst_corners(const ProblemOptions& options, const Problem& problem, Solution& solution, int& newton_steps,
                          std::FILE* out) {
     const Mesh& mesh = problem.mesh();

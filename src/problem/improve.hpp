@@ -1,4 +1,4 @@
-// Meshes that are to be made better in place: ideal = regular | size FORMULA | mesh FILE, and almesh improve FILE.
+// Improvement of a mesh in place: ideal = regular | size FORMULA | mesh FILE, and almesh improve FILE.
 //
 // Where the mesh has inverted elements, it is made valid first (untangling.hpp), with the boundary where it is, or
 // sliding. The distortion relative to the ideal elements is then minimised from there, by the method and with the
@@ -15,7 +15,7 @@ namespace almesh {
 // The ideal elements are regular ones, of the size of those around in the mesh file.
 void set_regular_elements(Problem& problem);
 
-// newton_steps: those besides the ones of `solve` are added.
+// Adds all steps other than those of `solve` to newton_steps.
 Solution improve(const ProblemSetup& setup, Problem& problem, const Solve& solve, int& newton_steps, std::FILE* out);
 
 }  // namespace almesh

@@ -45,8 +45,8 @@ bool may_stay_invalid(const ProblemOptions& options, const Problem& problem, con
            std::all_of(infeasible.faces.faults.begin(), infeasible.faces.faults.end(), stays);
 }
 
-std::string note_of(const ProblemOptions& options, const Problem& problem, const Infeasible& infeasible, const Mesh& mesh,
-                    const std::string& what_is_done) {
+std::string note_of(const ProblemOptions& options, const Problem& problem, const Infeasible& infeasible,
+                    const Mesh& mesh, const std::string& what_is_done) {
     return concat("the target makes ", counts_of(infeasible), " invalid or nearly invalid (scaled Jacobian at most ",
                   bound_of(options, problem), "); ", what_is_done, ":", describe(mesh, infeasible));
 }

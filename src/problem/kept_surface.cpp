@@ -29,7 +29,7 @@ std::vector<char> nodes_of_faces(const Mesh& mesh, const std::vector<char>& chos
     return nodes;
 }
 
-// Takes the freedom to slide from these nodes of boundaries that stay. Returns from how many.
+// Fixes those of the nodes that slide on boundaries that stay. Returns their number.
 int hold(Problem& problem, const std::vector<char>& nodes) {
     const Mesh& mesh = problem.mesh();
     const std::vector<char> kept = kept_boundaries(problem);

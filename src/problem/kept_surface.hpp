@@ -2,10 +2,10 @@
 // units of the local edge, of where the file has them: measured after the run, both ways (check/boundary_distance.hpp),
 // on boundaries that are fixed or only slide.
 //
-// A node that slides along a round body takes its flat faces off the file's by more, wherever it goes. So the nodes of
-// faces that are farther than that from the surface along which they slide stay from the beginning, and named points
-// and curves on the boundary do. Where a solution has faces that are off still, their nodes stay too, and it is found
-// again; the third time all nodes of these boundaries stay.
+// A node that slides along a round body takes its flat faces farther than that off those of the file. So nodes of faces
+// that are beyond the tolerance from the surface along which they slide are fixed from the beginning, and so are named
+// points and curves on the boundary. If faces of a solution are still off, their nodes are fixed too, and the problem
+// is solved again; the third time all nodes of these boundaries are fixed.
 #pragma once
 #include <cstdio>
 
@@ -14,12 +14,12 @@
 
 namespace almesh {
 
-// Of a problem without functional. Notes how many nodes stay. Those of curved faces of a mesh with inverted elements do
-// when it has been untangled, at x.
+// Fix these nodes of a problem without functional, and note how many. In a mesh with inverted elements the nodes of
+// curved faces are fixed after it has been untangled, at x.
 void hold_surface(const ProblemOptions& options, Problem& problem);
 void hold_curved_faces(const ProblemOptions& options, Problem& problem, const std::vector<double>& x);
 
-// The target of boundary nodes that have moved from `from` to x is where they are; and of all of them, which stay there.
+// Makes x the target of boundary nodes that have moved since `from`; fix_boundary() fixes all boundary nodes at x.
 void take_along_target(Problem& problem, const std::vector<double>& from, const std::vector<double>& x);
 void fix_boundary(Problem& problem, const std::vector<double>& x);
 

@@ -283,7 +283,8 @@ NodeTargets read_node_targets(const Mesh& mesh, const std::vector<Motion>& motio
     return targets;
 }
 
-std::vector<OtherSurface> read_other_surfaces(const ProblemSetup& setup, const Mesh& mesh, std::vector<std::string>& notes) {
+std::vector<OtherSurface> read_other_surfaces(const ProblemSetup& setup, const Mesh& mesh,
+                                              std::vector<std::string>& notes) {
     std::vector<OtherSurface> surfaces;
     std::map<std::string, std::shared_ptr<const Mesh>> of_path;
     for (int b = 0; b < static_cast<int>(mesh.boundaries.size()); ++b) {

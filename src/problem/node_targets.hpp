@@ -33,6 +33,7 @@ void read_node_rows(const Mesh& mesh, const std::string& path, const std::unorde
 // Of the step `slide along FILE`: the surfaces of other meshes along which boundaries slide. Per boundary of the mesh;
 // empty where all slide along their own, if at all. notes: what was corrected in the files. Throws InputError, with the
 // line of the deck, for files that are no mesh of this dimension or have not the boundary.
-std::vector<OtherSurface> read_other_surfaces(const ProblemSetup& setup, const Mesh& mesh, std::vector<std::string>& notes);
+std::vector<OtherSurface> read_other_surfaces(const ProblemSetup& setup, const Mesh& mesh,
+                                              std::vector<std::string>& notes);
 
 }  // namespace almesh

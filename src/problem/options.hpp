@@ -28,7 +28,7 @@ enum class IdealKind {
     mesh        // or those of another mesh with the same elements
 };
 
-// Whether the mesh is to be made better: ideal and first mesh are not the same.
+// Whether the mesh is improved: its ideal elements are not those of the first mesh.
 inline bool is_improved(IdealKind ideal) { return ideal >= IdealKind::regular; }
 
 // Parameters of the method stand in its own structs. An empty optional is `auto`.

@@ -26,8 +26,8 @@ Mesh discretised(const Mesh& base, int refinements, int degree) {
     return degree == 1 ? linear_part(refined) : interpolated(refined, degree);
 }
 
-// The positions (or another field) on the level's mesh of those on the mesh `shape`, which has the same elements but
-// for refinements: between its nodes as the elements have it.
+// Interpolates positions (or another field) at the nodes of `shape` to the level's mesh, which has the same elements,
+// possibly refined.
 std::vector<double> on_level(const Mesh& shape, std::vector<double> positions, const Level& level) {
     if (level.mesh.element_count() != shape.element_count())
         return prolong(shape, straight_sided(shape), level.mesh, level.ideal, positions);
@@ -103,8 +103,8 @@ std::vector<char> slides(const Mesh& mesh, const BoundaryTarget& target) {
     return result;
 }
 
-// Along what nodes slide at a fraction of the motions: the surface of the file's mesh as it is, but that of nodes which
-// are freed to slide curved by that fraction, as are those beside them. Null where no node slides. target: of the mesh.
+// The surfaces along which nodes slide at a fraction of the motions: those of the file's mesh or, if the target frees
+// nodes, of this mesh curved by the fraction. Null if no node slides. target: of the mesh.
 std::shared_ptr<SlidingSurfaces> surfaces_at(double fraction, const ProblemOptions& options, const Problem& problem,
                                              const Mesh& mesh, const BoundaryTarget& target,
                                              const std::vector<Motion>& motions,
@@ -372,7 +372,7 @@ std::unique_ptr<Level> coarser_level(const ProblemOptions& options, const Proble
             });
             free_nodes(level->mesh, freed, target);
         }
-        // It has not the shape of the file.
+        // Its degree is too low for the shape.
         level->is_worth_little = level->mesh.degree > 1 && level->mesh.degree < problem.shape().degree;
     }
     finish(level->mesh, problem.frame, nullptr, target);

@@ -20,20 +20,20 @@ struct Problem {
     std::string name;              // of its file, for errors
     bool is_own_ideal = false;     // it is curved, and itself the ideal mesh
     std::vector<Motion> motions;   // of its boundaries
-    SharedNodes shared;            // and what they do with nodes that they share
-    std::optional<Mesh> raised;    // and of the degree of the meshes that place its boundaries, where that is higher
+    SharedNodes shared;            // the rule for nodes that these share
+    std::optional<Mesh> raised;    // base in the degree of the meshes that place its boundaries, if that is higher
     std::unique_ptr<Level> level;  // the base mesh refined and raised, its ideal mesh; in the run's frame
     BoundaryTarget target;         // in the run's frame
     std::vector<double> node_target;  // target.node in units of the file
     int split_elements = 0;           // of the file: inverted by the target, and divided in the base mesh
-    bool curves_in_place = false;     // it is curved, and its boundary is to stay where the file has it (curving.hpp)
+    bool curves_in_place = false;     // a curved mesh whose boundary should stay as in the file (curving.hpp)
     std::vector<double> file_x;       // curved in place, improved, frames: mesh().x in units of the file, nodes x dim
     std::vector<double> start;        // start = FILE: the first iterate, in the run's frame,
     std::optional<Standing> standing;  // and where its run stood, of which it is a mesh so far,
     std::string way;                   // on this way (deck/so_far.hpp)
     std::vector<double> regular;      // DistortionParams::regular, in the run's frame
     std::vector<std::string> infeasible;  // improved: per element why it need not be valid, or ""; empty: all have to
-    PlacedNodes placed, level_placed;  // by files, of the shape's nodes and of the level's, in units of the file
+    PlacedNodes placed, level_placed;  // positions from files, for shape() and for the level, in units of the file
     std::shared_ptr<const SlidingSurfaces> sliding;  // null where no boundary slides
     Frame frame;                   // of the run, by the mesh file
     std::string mesh_hash, run_id;  // of a run of a deck (deck/make_problem.hpp)
@@ -58,8 +58,8 @@ void complete(const ProblemSetup& setup, Problem& problem);
 // Gives the problem the target of the motions as they are now, at another time; all else stays.
 void move_target(const ProblemSetup& setup, Problem& problem);
 
-// The base mesh, refined and of another degree, its ideal mesh and its target, in the file's frame. placed: of the
-// shape, on return of this mesh.
+// The base mesh, refined and in another degree, its ideal mesh and its target, in the file's frame. placed: on entry
+// for shape(), on return for this mesh.
 std::unique_ptr<Level> discretise(const Problem& problem, int refinements, int degree, PlacedNodes& placed,
                                   BoundaryTarget& target);
 
@@ -71,7 +71,7 @@ std::shared_ptr<SlidingSurfaces> surfaces_in_place(const ProblemOptions& options
 std::unique_ptr<DistortionEnergy> make_energy(const Problem& problem, const Level& level,
                                               const DistortionParams& params);
 
-// Gives the problem's level its energy and its constraint: the functional of Eq. 6. The problem must stay where it is.
+// Makes energy and constraint of the problem's level, the functional of Eq. 6. Do not move the Problem afterwards.
 void set_functional(const ProblemOptions& options, const Problem& problem);
 
 // The same for its constraint alone, after move_target().
@@ -82,9 +82,9 @@ struct CoarserMesh {
     int refinements, degree;  // of the base mesh
 };
 
-// The problem on it, with its functional, in the same frame; the target is not checked again. With a lower degree than
-// the deck's, nodes are moved to where the motion takes them: what is curved between them is left to the finer mesh.
-// The problem must outlive the level.
+// The problem on a coarser mesh, with its functional, in the same frame; the target is not checked again. In a lower
+// degree than the deck's the target is nodal: the shape between nodes is left to the finer mesh. The problem must
+// outlive the level.
 std::unique_ptr<Level> coarser_level(const ProblemOptions& options, const Problem& problem, const CoarserMesh& coarser);
 
 }  // namespace almesh

@@ -1,4 +1,4 @@
-// What a problem's solution has come to.
+// The solution of a problem.
 #pragma once
 #include <cmath>
 #include <functional>
@@ -16,8 +16,8 @@ namespace almesh {
 struct ProblemOptions;
 struct Problem;
 
-// Seconds of a run. Timings are of the iterations on the coarser meshes and on the deck's own; the others of what is
-// outside the latter: together they are the run.
+// Seconds of a run. Timings are for the iterations on the coarser meshes and on the deck's own; the others are
+// for all but the latter: together they are the run.
 struct RunTimes : Timings {
     double setup = 0;    // mesh, target and its checks, functional, pattern and ordering of the matrix
     double coarse = 0;   // coarser meshes: part of Timings::total
@@ -48,7 +48,7 @@ struct Solution {
     std::vector<double> x;  // nodes x dim
     AlResult al;
     double max_boundary_error = 0;
-    int nodes_off_target = 0;  // of the boundary, by whatever little
+    int nodes_off_target = 0;  // boundary nodes, by any amount
     OffMotion off_motion;      // of the nodes that the deck moves or fixes, in units of the file
     Certificate certificate;
     Injectivity injectivity;
@@ -71,8 +71,8 @@ struct Solution {
 // How a problem is solved.
 using Solve = std::function<Solution(const ProblemOptions& options, const Problem& problem)>;
 
-// Of the nodes of the solution, in the file's frame; those at their targets have the target's bits, and where a mesh is
-// curved in place those that are where the file has them the file's.
+// Node positions of the solution in the file's frame. A node at its target gets the exact bits of the target, and a
+// node that has not moved, in a problem with file_x, those of the file.
 std::vector<double> final_positions(const Problem& problem, const std::vector<double>& solution);
 
 }  // namespace almesh

@@ -24,9 +24,9 @@ bool starts_coarse(const ProblemOptions& options) {
     return options.start == Start::coarse;
 }
 
-// Whether the identity map with a large penalty is as good a start as the solution of a lower degree, and costs
-// nothing: in two dimensions, where the motion leaves the boundary's vertices where they are and curves what is between
-// them, and the Hessian at the identity is not zero, as it is with Eq. 5.
+// Whether the identity map with a large penalty is as good a start as the solution of a lower degree, at no cost: in
+// 2D, if the motion keeps the boundary's vertices and only curves what is between them, and if the Hessian at the
+// identity is not zero (with Eq. 5 it is).
 bool identity_is_near(const ProblemOptions& options, const Problem& problem) {
     const Mesh& mesh = problem.mesh();
     if (mesh.dim != 2 || mesh.degree == 1 || !problem.target.prescribes_all()) return false;
@@ -54,8 +54,8 @@ std::vector<CoarserMesh> coarser_meshes(const ProblemOptions& options, const Pro
     return coarser;
 }
 
-// Where the boundary is from where the motions take it. Distances of faces: if the target was changed or is curved, from
-// the target of the motions, on boundaries without a surface of their own.
+// Distances of the boundary from where the motions take it. Those of faces, if the target was changed or is curved, are
+// from the target of the motions, on boundaries that do not slide along another mesh.
 void measure_boundary(const Problem& problem, Solution& solution) {
     const Mesh& mesh = problem.mesh();
     const BoundaryTarget& target = problem.target;
@@ -73,9 +73,9 @@ void measure_boundary(const Problem& problem, Solution& solution) {
         const bool leaves_out = !problem.placed.empty() && !problem.placed[b].left_out.empty();
         measured.push_back(kind_of(motion) != NodeKind::free && !leaves_out && !surface_step(motion));
     }
-    BoundaryTarget came = target;
-    came.node = problem.curves_in_place ? target.written : problem.node_target;
-    solution.distances = boundary_distances(mesh, at_target(mesh, came, x), x, measured);
+    BoundaryTarget original = target;
+    original.node = problem.curves_in_place ? target.written : problem.node_target;
+    solution.distances = boundary_distances(mesh, at_target(mesh, original, x), x, measured);
 }
 
 // Whether the boundary is on its target, as far as Algorithm 1 tests it.
@@ -140,7 +140,7 @@ void place_inside_volumes(const Problem& problem, std::vector<double>& x) {
     if (trial != x && std::isfinite(energy.energy(trial)) && energy.valid_fraction(x, trial) == 1) x = std::move(trial);
 }
 
-// The last row then tells of the mesh that is written.
+// Measures the last row for the mesh that is written.
 void snap(const ProblemOptions& options, const Problem& problem, Solution& solution) {
     const bool converged = solution.al.status == Status::converged;
     const bool adaptive = options.method.algorithm == Algorithm::adaptive;

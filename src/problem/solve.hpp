@@ -30,8 +30,8 @@ struct SolveObserver : AlObserver {
     std::function<void(Newton&, const std::vector<double>& start)> begins = {};
 };
 
-// The solution on coarser meshes, if `start` says so, the functional, and Algorithm 1. so_far: null for none.
-// goes_on: the problem's start is where its run stood.
+// Solves on coarser meshes, if `start` says so, sets the functional, and runs Algorithm 1. so_far: null for none.
+// goes_on: the run is resumed from the problem's start.
 Solution solve(const ProblemOptions& options, const Problem& problem, const SolveObserver& observer = {},
                MeshSoFar* so_far = nullptr, bool goes_on = false);
 
@@ -46,9 +46,8 @@ struct WholeObserver {
 Solution solve_as_needed(const ProblemSetup& setup, Problem& problem, const WholeObserver& observer, MeshSoFar& so_far,
                          std::FILE* out);
 
-// Sets the nodes inside elements of volumes that follow a motion to where it takes them, like those on their sides,
-// which the constraint has brought there; they stay where an element would not be valid. x: a valid mesh, in the run's
-// frame.
+// Moves the nodes inside volumes that follow a motion to their images under it; the constraint has moved those on their
+// faces. All of them stay if an element would become invalid. x: a valid mesh, in the run's frame.
 void place_inside_volumes(const Problem& problem, std::vector<double>& x);
 
 // Sets the nodes of fixed boundaries to their targets, and with algorithm = adaptive all of what has converged.

@@ -5,11 +5,11 @@
 //
 //     sigma_delta'(D) = (1 - s) sigma_delta(D) =: m,   that is   delta'^2 = m (m - D).
 //
-// Only regions around inverted elements take part, each with its own delta, first with one layer of elements around,
-// then with two, four, ..., where that does not do. What a region comes to counts only where it is certified valid:
-// valid elements stay so. The nodes of the boundary are fixed; where that does not do, those that slide do so, held on
-// their surfaces by a penalty and then projected onto them. Where one has gone past a corner, so that the boundary is
-// folded over, the region counts as not valid.
+// Only regions around inverted elements move, each with its own delta: with one layer of elements around, then with
+// two, four, ..., until they become valid. The result of a region is taken only if it is certified valid: valid
+// elements stay valid. Boundary nodes are fixed; if that fails, sliding nodes move too, kept near their surfaces by a
+// penalty and then projected onto them. If such a node has passed a corner, so that the boundary is folded over, the
+// region counts as not valid.
 #pragma once
 #include <string>
 #include <vector>
@@ -22,14 +22,14 @@
 namespace almesh {
 
 struct UntanglingResult {
-    std::vector<int> left;  // elements that are not certified valid, but for infeasible ones, the worst first
+    std::vector<int> left;  // feasible elements that are still not certified valid, the worst first
     int regions = 0;        // that were untangled
     int newton_iterations = 0;
 };
 
-// x: node_count x dim. energy: without regularisation, on return too; its ideal elements have these volumes, per
-// element. constraint: where it does not hold at x, all nodes of the boundary but for free ones are fixed. infeasible:
-// those of the energy, as of why_infeasible(); or empty.
+// x: node_count x dim. volume: per element, of the ideal elements of `energy`, which has no regularisation before and
+// after. constraint: if it does not hold at x, all boundary nodes but free ones are fixed. infeasible: the reasons of
+// why_infeasible() for the infeasible elements of `energy`; or empty.
 UntanglingResult untangle_regions(const Mesh& mesh, const std::vector<double>& volume, DistortionEnergy& energy,
                                   Constraint& constraint, const BoundaryTarget& target,
                                   const LinearSolverParams& linear, const std::vector<std::string>& infeasible,

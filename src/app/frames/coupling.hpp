@@ -1,5 +1,5 @@
 // frames = -: a solver beside this program asks for one mesh after the other, by lines of standard input, and goes on
-// when it has read the answer, a line of standard output. No line on one side is without one on the other.
+// when it has read the answer, a line of standard output. Each line has exactly one answer.
 //
 //   asked:  T [FILE ...]                 the time, and the files of the deck's steps that are named `-`, in their order
 //   told:   T converged MESH             the mesh is on disk and certified
@@ -8,8 +8,8 @@
 //           T STATUS SENTENCE            there is none; STATUS: refused, stalled, not_certified, ...; T: - for a line
 //                                        that is empty
 //
-// The same time again stands for a time step that is tried again, and replaces the mesh: what is made depends on the
-// times before it and on the files alone, not on what was tried. What a run says of its progress goes to frames.log.
+// A repeated time is a time step that is tried again, and its mesh replaces the last one: a mesh depends on the times
+// before it and on the files alone, not on earlier tries. The progress of the run is written to frames.log.
 #pragma once
 #include <cstdio>
 #include <optional>
@@ -30,7 +30,7 @@ public:
     // files: how many are in each line. Where it is one, it is all that follows the time, blanks included.
     Coupling(std::FILE* in, std::FILE* out, int files) : in_(in), out_(out), files_(files) {}
 
-    // The next line; nothing at the end of the input. Lines that ask for no frame are told so, and passed over.
+    // The next line; nothing at the end of the input. Lines that ask for no frame are refused and skipped.
     // reached: the time of the last mesh, before which there is none. Throws Error where the run is interrupted.
     std::optional<AskedFrame> next(double reached);
 

@@ -1,8 +1,8 @@
 // A motion in time: one mesh for each of the times t that the key `frames` gives, whose motions are functions of t.
 //
-// Every mesh minimises the distortion relative to the same ideal mesh, so it depends on its time alone, whatever was
-// before: nothing drifts. What is before serves as the start, the ideal mesh where that is as near to the target.
-// Reading, ideal mesh, functional and the symbolic part of the linear solver are made once.
+// Every mesh minimises the distortion relative to the same ideal mesh, so it depends on its time alone, and errors do
+// not accumulate. Earlier meshes only serve as the start, or the ideal mesh if that is as near to the target. The ideal
+// mesh, the functional and the symbolic part of the linear solver are made once.
 //
 // Written after every frame: its mesh, what frame_table.hpp tells, and the state from which a run goes on.
 //
@@ -56,14 +56,14 @@ private:
     Problem problem_;
     FrameSolver solver_{problem_};
     FrameTable done_{deck_};
-    std::size_t resumed_ = 0;  // of these, done before
-    double spent_ = 0;         // seconds, on those since
+    std::size_t resumed_ = 0;  // of these, by an earlier run
+    double spent_ = 0;         // seconds on the others
     FramesBefore before_;  // with a mesh
     std::vector<MeshFace> faces_;     // of the mesh, where what they sweep is written
     std::vector<std::string> files_;  // of the line that asks for the frame
     std::vector<std::string> told_;   // notes
     int between_ = 0;           // frames between the last one and this one,
-    bool way_is_valid_ = true;  // through which the nodes go
+    bool way_is_valid_ = true;  // for nodes that go through these
 
     std::string path(const char* name) const { return concat(deck_.output, "/", name); }
     void begin();
@@ -99,7 +99,7 @@ void FrameRun::resume() {
     print(out_, "resumes after ", frame_at(last, before.t), "\n");
 }
 
-// Of the problem, each once.
+// Prints each note once.
 void FrameRun::tell_notes() {
     for (const std::string& note : problem_.notes) {
         if (std::find(told_.begin(), told_.end(), note) != told_.end()) continue;
@@ -109,7 +109,7 @@ void FrameRun::tell_notes() {
     problem_.notes.clear();
 }
 
-// Files of the frame, and what of it goes into the table.
+// Writes the files of the frame and its row of the table.
 void FrameRun::keep(const Deck& now, Solution& solution, FrameRow& row) {
     examine(now, problem_, solution);
     const AlIteration& last = solution.al.iterations.back();
@@ -143,21 +143,21 @@ void FrameRun::keep(const Deck& now, Solution& solution, FrameRow& row) {
     }
 }
 
-// Where the meshes of a coupled run are still there, they go.
+// Removes the meshes of an earlier coupled run.
 void FrameRun::begin_results() {
     if (!folder_->is_kept()) return;
     folder_->empty();
     write_deck(deck_, problem_);
 }
 
-// Of the nodes from the frame before; of a time step that is tried again, from the one before its first try.
+// Kind of the nodes' paths from the frame before; for a repeated time step, from the frame before its first try.
 std::string FrameRun::path_to(const Solution& solution, double t) const {
     const Moment* const from = before_.before(t);
     if (!from || solution.al.status != Status::converged) return "";
     return solver_.is_valid_between(from->x, solution.x) ? frame_path::valid : frame_path::not_valid;
 }
 
-// Where the way from the frame before is not valid, frames at times between come first.
+// If the paths from the frame before are not valid, frames at times between come first.
 void FrameRun::solve(FrameRow& row, int halvings) {
     const Deck now = deck_at(deck_, row.t, row.number, files_);
     if (row.number > 1 || coupling_) move_target(now, problem_);
@@ -183,7 +183,7 @@ void FrameRun::solve(FrameRow& row, int halvings) {
     keep(now, solution, row);
 }
 
-// Whether there are motions at the time halfway, which lead from one frame to the other.
+// Whether motions at the time halfway exist and lead from one frame to the other.
 bool FrameRun::may_halve(const FrameRow& row) const try {
     for (const BoundaryMotion& boundary : deck_.boundaries)
         for (const MotionStep& step : boundary.motion.steps)
@@ -195,7 +195,7 @@ bool FrameRun::may_halve(const FrameRow& row) const try {
     return false;
 }
 
-// The frame at that time. Whether it has a mesh.
+// Solves the frame halfway; whether it has a mesh.
 bool FrameRun::solve_between(const FrameRow& row, int halvings) try {
     const Stopwatch watch;
     FrameRow between{row.number, 1, 0.5 * (before_.moments.back().t + row.t)};
