@@ -179,8 +179,8 @@ void measure_derivatives(const std::string& name, const std::vector<std::string>
     const Problem& problem = system.problem;
     DistortionEnergy& energy = system.distortion();
     std::vector<double> x = problem.ideal(), d(x.size()), g(x.size());
-    Derivative settled(problem.mesh(), energy, *problem.level->constraint, {});
-    settled.settle(x);
+    Derivative polished(problem.mesh(), energy, *problem.level->constraint, {});
+    polished.polish(x);
     for (const int threads : machine.threads) {
         set_threads(threads);
         LinearSolver solver(problem.mesh().dim, {});
@@ -197,8 +197,8 @@ void measure_derivatives(const std::string& name, const std::vector<std::string>
         step();  // analyses and allocates
         const double of_step = best_seconds(budget, step);
         const double of_first =
-            best_seconds(budget, [&] { settled.settle(x); }, [&] { settled.adjoint(system.b); });
-        const double of_next = best_seconds(budget, [&] { settled.adjoint(system.b); });
+            best_seconds(budget, [&] { polished.polish(x); }, [&] { polished.adjoint(system.b); });
+        const double of_next = best_seconds(budget, [&] { polished.adjoint(system.b); });
         table.add("derivative", name, threads, "Newton step", of_step, "s");
         table.add("derivative", name, threads, "first function", of_first / of_step, "steps");
         table.add("derivative", name, threads, "each further one", of_next / of_step, "steps");
