@@ -28,6 +28,8 @@ struct MshReader {
         if (!in.version) in.fail("not a Gmsh mesh file: there is no $MeshFormat section");
         if (mesh.nodes.empty()) in.fail("there is no $Nodes section");
         if (mesh.elements.empty()) in.fail("there is no $Elements section");
+        if (in.binary) mesh.coordinates.form = CoordinateFields::Form::float64;
+        mesh.coordinates.order = in.order;
         complete_serendipity(mesh);
         mesh.format = {FileFormat::Kind::msh, std::max(in.version, 22), in.binary};  // MSH 1 is written as MSH 2.2
         return std::move(mesh);
@@ -296,7 +298,10 @@ struct MshReader {
 
     void read_position(RawNode& node, Parameters parameters) {
         node.line = line();
-        for (double& x : node.x) x = in.real("a coordinate");
+        for (double& x : node.x) {
+            mesh.coordinates.first.push_back(in.next_byte());
+            x = in.real("a coordinate");
+        }
         if (parameters.are_there && parameters.dim < 0) {
             parameters.dim = in.integer("the dimension of the entity", 0, 3) % 3;  // nodes of a volume have none
             in.integer("the entity tag");

@@ -44,6 +44,7 @@ struct Su2Reader {
             in.fail("NZONE announces ", mesh.zones, " zones, only ", begun, " are there");
         end_zone();
         name_groups();
+        mesh.coordinates.dim = dim;
         return std::move(mesh);
     }
 
@@ -199,6 +200,7 @@ struct Su2Reader {
             RawNode node{static_cast<long long>(mesh.nodes.size()) + 1, {}, row_line};
             for (int a = 0; a < dim; ++a) {
                 go_on(a, dim);
+                mesh.coordinates.first.push_back(in.next_byte());
                 node.x[a] = in.real("a coordinate");
             }
             check_number(k);

@@ -78,6 +78,12 @@ struct TextScanner {
         return at == end || *at == '\n';
     }
 
+    // Of the next number in this line.
+    std::size_t next_byte() {
+        if (!binary) skip_blanks();
+        return static_cast<std::size_t>(at - start);
+    }
+
     // Fails where anything else is.
     void end_of_line() {
         if (!at_line_end()) fail("expected the end of the line, got ", word());

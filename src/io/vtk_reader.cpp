@@ -88,9 +88,7 @@ struct VtkReader {
     }
 
     double real(bool is_float) {
-        if (binary) return is_float ? next_in_binary<float>() : next_in_binary<double>();
-        if (!in.next_line()) in.fail("the file is cut off");
-        return in.real("a coordinate");
+        return !binary ? in.real("a coordinate") : is_float ? next_in_binary<float>() : next_in_binary<double>();
     }
 
     int integer(const char* what) {
@@ -125,13 +123,20 @@ struct VtkReader {
     }
 
     void points(RawMesh& mesh) {
+        if (!mesh.nodes.empty()) in.fail("a second list of POINTS");
         const long long count = in.integer("the number of points", 1, INT_MAX);
         const std::string type = word();
         if (type != "double" && type != "float") in.fail("points of type ", type, ": only double and float are read");
         begin_values();
+        using Form = CoordinateFields::Form;
+        mesh.coordinates = {!binary ? Form::text : type == "float" ? Form::float32 : Form::float64, std::endian::big};
         for (long long i = 0; i < count; ++i) {
             RawNode node{i + 1, {}, binary ? 0 : in.line};
-            for (double& x : node.x) x = real(type == "float");
+            for (double& x : node.x) {
+                if (!binary && !in.next_line()) in.fail("the file is cut off");
+                mesh.coordinates.first.push_back(in.at - in.start);
+                x = real(type == "float");
+            }
             mesh.nodes.push_back(node);
         }
     }

@@ -1,7 +1,9 @@
 // What a mesh file says besides the geometry, so that the result is written with the ids, tags and names of the input.
 #pragma once
 #include <array>
+#include <bit>
 #include <compare>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -27,6 +29,16 @@ struct FileFormat {
     bool binary = false;
 
     bool operator==(const FileFormat&) const = default;
+};
+
+// Where a file has the coordinates of its nodes, for it to be written again with others (io/patch.hpp).
+struct CoordinateFields {
+    enum class Form { text, float64, float32 };
+    Form form = Form::text;
+    std::endian order = std::endian::little;  // of binary numbers
+    int dim = 3;                              // coordinates that the file has of a node
+    int width = 0;                            // columns of a number of text; 0: up to a blank, comma, bracket, line end
+    std::vector<std::size_t> first{};         // byte of coordinate a of node i at [dim * i + a]; empty: not known
 };
 
 // An elementary entity of the geometry, a point, curve, surface or volume, by its dimension and tag.

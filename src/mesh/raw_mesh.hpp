@@ -39,6 +39,7 @@ struct RawMesh {
     std::string path;
     FileFormat format;
     std::vector<RawNode> nodes;
+    CoordinateFields coordinates;  // of the first nodes, all that are in the file
     std::vector<RawElement> elements;
     std::vector<int> element_nodes;  // indices into nodes
     std::vector<PhysicalGroup> groups;

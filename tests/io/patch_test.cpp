@@ -1,0 +1,105 @@
+// Files with other coordinates in them, and nothing else changed.
+#include "io/patch.hpp"
+
+#include <doctest/doctest.h>
+
+#include <filesystem>
+
+#include "base/bytes.hpp"
+#include "support/program.hpp"
+
+using namespace almesh;
+using namespace almesh::test;
+
+namespace {
+
+std::vector<double> positions_of(const RawMesh& raw) {
+    std::vector<double> x;
+    for (std::size_t k = 0; k < raw.coordinates.first.size(); ++k)
+        x.push_back(raw.nodes[k / raw.coordinates.dim].x[k % raw.coordinates.dim]);
+    return x;
+}
+
+// The file as it is where nothing moves; where every second number does, it is read back so, and the file read back
+// with the old numbers is the same again in binary, and in text but for how these are written.
+void check_file(const std::string& text, const std::string& name) {
+    CAPTURE(name);
+    const RawMesh raw = parse_mesh(text, name);
+    const CoordinateFields& fields = raw.coordinates;
+    REQUIRE(!fields.first.empty());
+    std::vector<double> x = positions_of(raw);
+    CHECK(patched(text, fields, x) == text);
+    for (std::size_t k = 0; k < x.size(); k += 2) x[k] += 0.1 + 1e-3 * static_cast<double>(k);
+    x = rounded_as(fields, x);
+    const std::string moved = patched(text, fields, x);
+    const RawMesh back = parse_mesh(moved, name);
+    CHECK(positions_of(back) == x);
+    CHECK(back.element_nodes == raw.element_nodes);
+    CHECK(patched(moved, back.coordinates, x) == moved);
+    const std::string again = patched(moved, back.coordinates, positions_of(raw));
+    CHECK(patched(again, parse_mesh(again, name).coordinates, x) == moved);
+    if (fields.form != CoordinateFields::Form::text) CHECK(again == text);
+}
+
+template <class Number>
+std::string vtk(const std::string& type) {
+    std::string text = "# vtk DataFile Version 3.0\nx\nBINARY\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 " + type + "\n";
+    for (const double x : {0.0, 0.0, 0.0, 1.1, 0.0, 0.0, 0.0, 1.3, 0.0, 0.1, 0.2, 1.7})
+        append_bytes(text, static_cast<Number>(x), std::endian::big);
+    text += "\nCELLS 1 5\n";
+    for (const int i : {4, 0, 1, 2, 3}) append_bytes(text, i, std::endian::big);
+    text += "\nCELL_TYPES 1\n";
+    append_bytes(text, 10, std::endian::big);
+    return text + "\nPOINT_DATA 4\nSCALARS p double\nLOOKUP_TABLE default\nand so on";
+}
+
+}  // namespace
+
+TEST_CASE("patch: every format, read and written again") {
+    for (const char* folder : {"tests/io/data", "tests/fuzz/seeds/msh", "tests/fuzz/seeds/su2", "tests/fuzz/seeds/vtk"})
+        for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+            const std::string name = entry.path().string();
+            const bool is_mesh = name.ends_with(".msh") || name.ends_with(".su2") || name.ends_with(".vtk");
+            if (is_mesh) check_file(read_file(name), name);
+        }
+    check_file(vtk<double>("double"), "double.vtk");
+    check_file(vtk<float>("float"), "float.vtk");
+}
+
+TEST_CASE("patch: only characters of coordinates change") {
+    const std::string text =
+        "NZONE= 2 % two\r\nIZONE= 1\r\nNDIME= 2\r\nNELEM= 1\r\n5 0 1 2\r\nNPOIN= 3\n\t+0.50 0e0 0\n 1.000 % one\n"
+        " 0 1\n0 1 2 % the last\nNMARK= 0\nIZONE= 2\nNDIME= 2\nNELEM= 1\n5 0 1 2\nNPOIN= 4\n5 0\n6 0\n5 1\n7 7 3\n"
+        "NMARK= 0\nFFD_NBOX= 1\n";
+    RawMesh raw = parse_mesh(text, "a.su2");
+    std::vector<double> x = positions_of(raw);
+    REQUIRE(x.size() == 14);
+    CHECK(patched(text, raw.coordinates, x) == text);
+    x[2] = 1.125;
+    x[12] = 1.0 / 3;
+    std::string expected = text;
+    expected.replace(expected.find("1.000"), 5, "1.125");
+    expected.replace(expected.find("7 7"), 1, "0.3333333333333333");
+    CHECK(patched(text, raw.coordinates, x) == expected);
+}
+
+TEST_CASE("patch: the two zeros, and numbers below the range, keep their characters") {
+    const std::string text = "NDIME= 2\nNELEM= 1\n5 0 1 2\nNPOIN= 3\n-0 0.00\n1e-400 1\n-1 0\nNMARK= 0\n";
+    const RawMesh raw = parse_mesh(text, "a.su2");
+    CHECK(patched(text, raw.coordinates, {0, -0.0, 0, 1, -1, 0}) == text);
+}
+
+TEST_CASE("patch: numbers in columns are as exact as their width lets them be, and have a point") {
+    const std::string text = "id     1.0  2.5D+00-1.00D+00\n";
+    const CoordinateFields fields{CoordinateFields::Form::text, std::endian::little, 3, 9, {2, 11, 20}};
+    CHECK(patched(text, fields, {1, 2.5, -1}) == text);
+    const std::vector<double> x = {-1.0 / 3, 7, 1e-7 / 3}, rounded = rounded_as(fields, x);
+    CHECK(rounds(fields));
+    CHECK(rounded[0] == -0.333333);
+    CHECK(rounded[1] == 7);
+    CHECK(rounded[2] == doctest::Approx(x[2]).epsilon(1e-3));
+    const std::string moved = patched(text, fields, x);
+    CHECK(moved.size() == text.size());
+    CHECK(moved.starts_with("id-0.333333       7."));
+    CHECK(moved == patched(text, fields, rounded));
+}
