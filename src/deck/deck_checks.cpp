@@ -4,7 +4,7 @@
 
 #include "deck/frame_times.hpp"
 #include "deck/so_far.hpp"
-#include "io/msh.hpp"
+#include "io/mesh_format.hpp"
 
 namespace almesh {
 namespace {
@@ -52,14 +52,15 @@ void check_improve(const Deck& deck) {
 }  // namespace
 
 std::vector<FileFormat> final_formats(FinalFormat wanted, const Mesh& mesh) {
-    const FileFormat input = mesh.file.format, su2 = {FileFormat::Kind::su2};
+    const FileFormat su2 = {FileFormat::Kind::su2};
+    const FileFormat input = mesh.file.can_be_patched() ? mesh.file.format : written_anew(mesh.file.format);
     const FileFormat msh = input.kind == FileFormat::Kind::msh ? input : FileFormat();
-    if (wanted == FinalFormat::input) return {input.kind == su2.kind ? su2 : msh};
+    if (wanted == FinalFormat::input) return {input};
     if (wanted == FinalFormat::msh) return {msh};
     if (wanted == FinalFormat::su2) return {su2};
     if (wanted == FinalFormat::both) return {msh, su2};
     const int place = static_cast<int>(wanted) - static_cast<int>(FinalFormat::msh22);
-    constexpr int versions[] = {22, 40, 41};
+    constexpr int versions[] = {22, 41};
     return {{FileFormat::Kind::msh, versions[place / 2], place % 2 == 1}};
 }
 
@@ -71,7 +72,8 @@ std::string curved_su2(const Deck& deck, const Mesh& mesh) {
 
 // Before a run rather than after it.
 void check_final_ids(const Deck& deck, const Mesh& mesh) {
-    for (const FileFormat& format : final_formats(deck.final_format, mesh)) check_ids_fit(mesh, format);
+    for (const FileFormat& format : final_formats(deck.final_format, mesh))
+        if (!mesh.file.can_be_patched() || format != mesh.file.format) check_ids_fit(mesh, format);
 }
 
 UsageError with_line(const Deck& deck, const SettingError& error) {
@@ -124,16 +126,15 @@ bool accepts(Deck deck, const std::string& key, const std::string& value) try {
     return false;
 }
 
-std::string left_out_sections(const Deck& deck, const Mesh& in_file, const Mesh& of_run) {
-    const std::vector<FileFormat> formats = final_formats(deck.final_format, of_run);
-    const bool same_format = std::find(formats.begin(), formats.end(), in_file.file.format) != formats.end();
-    if (same_format && of_run.file.sections.size() == in_file.file.sections.size()) return "";
+std::string set_patched(const Deck& deck, Mesh& mesh) {
+    const std::vector<FileFormat> formats = final_formats(deck.final_format, mesh);
+    if (std::find(formats.begin(), formats.end(), mesh.file.format) == formats.end()) mesh.file.leave_file();
+    if (mesh.file.can_be_patched()) return "";
     std::string names;
-    for (const FileSection& section : in_file.file.sections) names += (names.empty() ? "" : ", ") + section.name;
-    if (names.empty()) return "";
-    return concat("not in the final mesh, as its ", same_format ? "elements are not those" : "format is not that",
-                  " of the file: ",
-                  names);
+    for (const std::string& name : mesh.file.sections) names += (names.empty() ? "" : ", ") + name;
+    if (const int loose = mesh.file.loose)
+        names += concat(names.empty() ? "" : ", ", counted(loose, "node"), " without an element");
+    return names.empty() ? "" : "not in the final mesh, which is written anew: " + names;
 }
 
 }  // namespace almesh

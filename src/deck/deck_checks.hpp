@@ -12,8 +12,8 @@ void check_keys(const Deck& deck);   // and all else that needs no mesh
 void check_final_ids(const Deck& deck, const Mesh& mesh);  // throws InputError
 
 std::string curved_su2(const Deck& deck, const Mesh& mesh);  // "" or a note
-// "" where the final mesh has all sections of its file; else a note of those that are left out.
-std::string left_out_sections(const Deck& deck, const Mesh& in_file, const Mesh& of_run);
+// If the mesh is not to be written in the format of its file, it leaves the file. "" or a note of what it loses.
+std::string set_patched(const Deck& deck, Mesh& mesh);
 
 // Whether a run accepts the deck with another value of a key, so that it can be advised.
 bool accepts(Deck deck, const std::string& key, const std::string& value);

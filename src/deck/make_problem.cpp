@@ -200,7 +200,7 @@ Problem make_problem(const Deck& deck) try {
     Problem problem = begin_problem(deck, std::move(base), std::move(notes));
     problem.mesh_hash = mesh_hash;
     note(problem, curved_su2(deck, problem.mesh()));
-    note(problem, left_out_sections(deck, problem.base, problem.mesh()));
+    note(problem, set_patched(deck, problem.level->mesh));
     check_final_ids(deck, problem.mesh());
     problem.way = way_of(deck, problem);
     if (deck.start == Start::file && deck.frames.empty()) problem.standing = read_standing(deck, problem);

@@ -7,9 +7,8 @@
 #include "base/files.hpp"
 #include "base/text.hpp"
 #include "check/certificate.hpp"
+#include "deck/deck.hpp"
 #include "io/msh.hpp"
-#include "mesh/winding.hpp"
-#include "deck/deck_checks.hpp"
 #include "problem/problem.hpp"
 #include "problem/solution.hpp"
 
@@ -134,12 +133,11 @@ void WrittenMeshSoFar::write(const Level& level, const std::vector<double>& x) {
         for (std::size_t i = 0; i < positions.size(); ++i) positions[i] += problem_.ideal()[i];
     }
     if (positions == problem_.ideal() || !certify(mesh, positions).valid) return;
-    Mesh in_file = as_in_file(mesh);
+    Mesh in_file = mesh;
     const Standing stands = is_improved(deck_.ideal) ? Standing() : *standing;  // it has many solutions
     in_file.file.comment += "\n" + text_of(stands, problem_.way);
     try {
-        write_msh(path_so_far(deck_), in_file, final_positions(problem_, positions),
-                  final_formats(FinalFormat::msh, in_file).front());
+        write_msh(path_so_far(deck_), in_file, final_positions(problem_, positions));
     } catch (const InputError& failed) {
         if (!has_failed_) std::fprintf(out_, "note: the mesh so far cannot be kept: %s\n", failed.what());
         has_failed_ = true;

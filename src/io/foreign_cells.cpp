@@ -102,12 +102,12 @@ private:
         if (middle >= 0) return;
         middle = static_cast<int>(mesh_.nodes.size());
         RawNode centre{++last_id_, {}, element.line};
-        for (int a = 0; a < 3; ++a) {
-            for (const int i : edges) centre.x[a] += mesh_.nodes[i].x[a] / (cell.dim == 2 ? 2 : 4);
-            for (const int i : vertices) centre.x[a] -= mesh_.nodes[i].x[a] / 4;
-        }
-        if (!mesh_.node_blocks.empty())
-            mesh_.node_blocks.push_back({mesh_.nodes.size(), {element.dim, element.entity}});
+        ImpliedNode implied{middle, {}};
+        for (const int i : edges) implied.terms.emplace_back(i, cell.dim == 2 ? 0.5 : 0.25);
+        for (const int i : vertices) implied.terms.emplace_back(i, -0.25);
+        for (const auto& [i, weight] : implied.terms)
+            for (int a = 0; a < 3; ++a) centre.x[a] += weight * mesh_.nodes[i].x[a];
+        mesh_.implied.push_back(std::move(implied));
         mesh_.nodes.push_back(centre);
     }
 };
@@ -255,7 +255,7 @@ void complete_serendipity(RawMesh& mesh) {
     std::vector<const RawElement*> elements, incomplete;
     for (const RawElement& element : mesh.elements)
         if (element.degree == 2) (is_complete(element) ? elements : incomplete).push_back(&element);
-    // Nodes of the file first; on a boundary those of its faces, so that they lie on its entity.
+    // Nodes of the file first; on a boundary those of its faces.
     std::stable_sort(incomplete.begin(), incomplete.end(),
                      [](const RawElement* a, const RawElement* b) { return a->dim < b->dim; });
     elements.insert(elements.end(), incomplete.begin(), incomplete.end());

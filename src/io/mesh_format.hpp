@@ -51,6 +51,20 @@ inline RawMesh parse_mesh(std::string_view text, const std::string& path) {
     return mesh;
 }
 
+// Of a mesh that was read in a format and has other nodes now: the one to write it in.
+inline FileFormat written_anew(const FileFormat& format) {
+    return format.kind == FileFormat::Kind::su2 ? format : written_msh(format);
+}
+
+// Of the names of final meshes, which are not those of the VTK files of results.
+inline std::string ending_of_final(const FileFormat& format) {
+    switch (format.kind) {
+        case FileFormat::Kind::msh: return ".msh";
+        case FileFormat::Kind::su2: return ".su2";
+        default: return "-mesh.vtk";
+    }
+}
+
 // "MSH 4.1, binary".
 inline std::string to_string(const FileFormat& format) {
     if (format.kind == FileFormat::Kind::su2) return "SU2";

@@ -59,20 +59,12 @@ struct BlockBuilder {
     }
 
     void place_nodes() {
-        std::vector<EntityKey> place = mesh.file.node_entity;
-        place.resize(mesh.nodes());
-        std::vector<EntityKey> loose;
-        for (const LooseNode& node : mesh.file.loose) loose.push_back(node.entity);
+        std::vector<EntityKey> place(mesh.nodes());
         for (const MshElementBlock& block : blocks.elements)
             for (const int c : block.cells)
-                for (const int node : block.of.nodes_of(c)) {
-                    EntityKey& of_node = node < 0 ? loose[-1 - node] : place[node];
-                    if (of_node.dim < 0) of_node = block.entity;
-                }
+                for (const int node : block.of.nodes_of(c))
+                    if (place[node].dim < 0) place[node] = block.entity;
         std::map<EntityKey, std::vector<int>> nodes;
-        for (EntityKey& of_node : loose)
-            if (of_node.dim < 0) of_node = blocks.elements.back().entity;
-        for (int k = 0; k < static_cast<int>(loose.size()); ++k) nodes[loose[k]].push_back(-1 - k);
         for (int i = 0; i < mesh.nodes(); ++i) nodes[place[i]].push_back(i);
         for (auto& [key, of_entity] : nodes) {
             entities[key].key = key;
@@ -169,14 +161,9 @@ MshCopies msh_copies(const Mesh& mesh, const std::vector<MshCells>& all) {
 }
 
 std::array<double, 3> msh_position(const Mesh& mesh, const std::vector<double>& x, int node) {
-    if (node < 0) return mesh.file.loose[-1 - node].x;
     std::array<double, 3> position = {0, 0, mesh.file.z};
     std::copy_n(point(x, node, mesh.dim), mesh.dim, position.begin());
     return position;
-}
-
-long long msh_node_id(const Mesh& mesh, int node) {
-    return node < 0 ? mesh.file.loose[-1 - node].id : mesh.file.node_id[node];
 }
 
 MshBlocks msh_blocks(const Mesh& mesh, const std::vector<double>& x) { return BlockBuilder{mesh, x}.build(); }

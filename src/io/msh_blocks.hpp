@@ -16,7 +16,7 @@ namespace almesh {
 // Cells of one dimension, whose arrays live elsewhere.
 struct MshCells {
     int dim, type, width;        // width: nodes of one cell
-    std::span<const int> nodes;  // count x width; below 0: of a loose node, see KeptCells
+    std::span<const int> nodes;  // count x width
     std::span<const long long> id;
     std::span<const int> physical, entity;
 
@@ -36,9 +36,8 @@ MshCopies msh_copies(const Mesh& mesh, const std::vector<MshCells>& all);
 // All cells of a mesh by ascending dimension: kept ones, boundary faces, elements. No part is empty.
 std::vector<MshCells> msh_cells(const Mesh& mesh);
 
-// Where a node, or with an index below 0 a loose one, is; in 2D at z = 0.
+// Where a node is; in 2D in the plane of the file.
 std::array<double, 3> msh_position(const Mesh& mesh, const std::vector<double>& x, int node);
-long long msh_node_id(const Mesh& mesh, int node);
 
 struct MshElementBlock {
     EntityKey entity;
@@ -58,8 +57,7 @@ struct MshBlocks {
 };
 
 // Entities of the file stay; an entity of several physical tags, possible in MSH 2.2, becomes several entities. A node
-// goes to its entity in the file or else to the first block, by ascending (dimension, entity, physical tag), that has
-// it.
+// goes to the first block, by ascending (dimension, entity, physical tag), that has it.
 MshBlocks msh_blocks(const Mesh& mesh, const std::vector<double>& x);
 
 // Writes the numbers of an MSH file as text or as bytes, least significant first.

@@ -31,13 +31,12 @@ struct MshReader {
         if (in.binary) mesh.coordinates.form = CoordinateFields::Form::float64;
         mesh.coordinates.order = in.order;
         complete_serendipity(mesh);
-        mesh.format = {FileFormat::Kind::msh, std::max(in.version, 22), in.binary};  // MSH 1 is written as MSH 2.2
+        mesh.format = {FileFormat::Kind::msh, in.version, in.binary};
         return std::move(mesh);
     }
 
     void section() {
         const int first_line = in.line;
-        const char* const begin = in.at;
         const std::string name(in.rest_of_line()), rest = name.substr(std::min<std::size_t>(1, name.size()));
         if (name == "$NOD" && !in.version) in.version = 10;
         const std::string end = (in.version == 10 ? "$END" : "$End") + rest;
@@ -60,9 +59,7 @@ struct MshReader {
         if (in.rest_of_line() != end) in.fail("expected ", end, ": ", name, " holds more than it announces");
         static const std::set<std::string> of_mesh = {"$MeshFormat", "$PhysicalNames", "$Entities", "$Comments", "$NOD",
                                                       "$Nodes", "$ParametricNodes", "$Elements", "$ELM"};
-        const bool is_as_written = !in.binary || (in.order == std::endian::native && in.size_bytes == 8);
-        if (!of_mesh.contains(name) && is_as_written)
-            mesh.sections.push_back({name, std::string(begin, in.at) + "\n", mesh.nodes.empty()});
+        if (!of_mesh.contains(name)) mesh.sections.push_back(name);
     }
 
     // Goes to the last line of the section, or the end of the file.
@@ -190,7 +187,6 @@ struct MshReader {
     // A point has a box from version 4.1 on no more.
     FileEntity entity(int dim, bool is_partitioned = false) {
         FileEntity entity{{dim, in.integer("the entity tag")}};
-        entity.is_partitioned = is_partitioned;
         if (is_partitioned) {
             in.integer("the dimension of the parent");
             in.integer("the tag of the parent");
@@ -268,7 +264,6 @@ struct MshReader {
         const Parameters parameters{in.integer("0 or 1 (parametric)", 0, 1) == 1, entity.dim};
         const long long end = begin + in.size("the number of nodes of this block", 0, count - begin);
         in.end_of_record();
-        mesh.node_blocks.push_back({static_cast<std::size_t>(begin), entity});
         if (in.version == 40) return nodes_with_ids(end, count, parameters);
         for (long long i = begin; i < end; ++i) {
             begin_record("nodes", i, count);

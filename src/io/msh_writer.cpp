@@ -22,19 +22,13 @@ struct MshWriter {
     void write() const {
         header();
         physical_names();
-        if (format.msh_version == 22) {
-            sections(true);
-            body_2_2();
-        } else {
-            body_4();
-        }
-        sections(false);
+        if (is_4_1) body_4_1();
+        else body_2_2();
         if (!file.comment.empty()) sink("$Comments\n" + file.comment + "\n$EndComments\n");
     }
 
     void header() const {
-        const char* const version = format.msh_version == 22 ? "2.2" : is_4_1 ? "4.1" : "4";
-        std::string text = concat("$MeshFormat\n", version, format.binary ? " 1 8\n" : " 0 8\n");
+        std::string text = concat("$MeshFormat\n", is_4_1 ? "4.1" : "2.2", format.binary ? " 1 8\n" : " 0 8\n");
         if (format.binary) numbers.integer(text, 1);  // tells the order of bytes
         sink(text + numbers.end_section("MeshFormat"));
     }
@@ -48,10 +42,11 @@ struct MshWriter {
     }
 
     void body_2_2() const {
-        const int loose = static_cast<int>(file.loose.size());
-        sink(concat("$Nodes\n", mesh.nodes() + loose, "\n"));
-        append_rows(sink, mesh.nodes(), [&](std::string& part, int i) { append_node(part, i); });
-        append_rows(sink, loose, [&](std::string& part, int k) { append_node(part, -1 - k); });
+        sink(concat("$Nodes\n", mesh.nodes(), "\n"));
+        append_rows(sink, mesh.nodes(), [&](std::string& part, int i) {
+            numbers.id(part, file.node_id[i]);
+            append_position(part, i);
+        });
         sink(numbers.end_section("Nodes"));
 
         std::vector<MshCells> all = msh_cells(mesh);
@@ -75,17 +70,14 @@ struct MshWriter {
         sink(numbers.end_section("Elements"));
     }
 
-    void body_4() const {
+    void body_4_1() const {
         const MshBlocks blocks = msh_blocks(mesh, x);
         entities(blocks.entities);
-        sections(true);
         nodes(blocks.nodes);
         elements(blocks.elements);
     }
 
-    void entities(std::vector<FileEntity> all) const {
-        if (has_sections() && !file.sections.empty())
-            std::erase_if(all, [](const FileEntity& entity) { return entity.is_partitioned; });
+    void entities(const std::vector<FileEntity>& all) const {
         std::string text = "$Entities\n";
         for (int dim = 0; dim <= 3; ++dim)
             numbers.size(text, std::count_if(all.begin(), all.end(),
@@ -93,7 +85,7 @@ struct MshWriter {
         numbers.end_record(text);
         for (const FileEntity& entity : all) {
             numbers.integer(text, entity.key.tag);
-            const int coordinates = is_4_1 && entity.key.dim == 0 ? 3 : 6;
+            const int coordinates = entity.key.dim == 0 ? 3 : 6;
             for (int k = 0; k < coordinates; ++k) numbers.real(text, entity.box[k]);
             append_tags(text, entity.physical);
             if (entity.key.dim > 0) append_tags(text, entity.bounds);
@@ -102,32 +94,18 @@ struct MshWriter {
         sink(text + numbers.end_section("Entities"));
     }
 
-    // They are in the file's own format: in another one they are left out.
-    bool has_sections() const { return format == file.format; }
-
-    void sections(bool before_nodes) const {
-        for (const FileSection& section : file.sections)
-            if (has_sections() && section.is_before_nodes == before_nodes) sink(section.text);
-    }
-
     void append_tags(std::string& text, const std::vector<int>& tags) const {
         numbers.size(text, static_cast<long long>(tags.size()));
         for (const int tag : tags) numbers.integer(text, tag);
     }
 
     void nodes(const std::vector<MshNodeBlock>& blocks) const {
-        std::vector<long long> id = file.node_id;
-        for (const LooseNode& node : file.loose) id.push_back(node.id);
-        begin_items("$Nodes\n", blocks.size(), id);
+        begin_items("$Nodes\n", blocks.size(), file.node_id);
         for (const MshNodeBlock& block : blocks) {
             const int count = static_cast<int>(block.nodes.size());
             begin_block(block.entity, 0, count);
-            if (is_4_1)
-                append_rows(sink, count, [&](std::string& part, int i) { append_nodes(part, {&block.nodes[i], 1}); });
-            append_rows(sink, count, [&](std::string& part, int i) {
-                if (is_4_1) append_position(part, block.nodes[i]);
-                else append_node(part, block.nodes[i]);
-            });
+            append_rows(sink, count, [&](std::string& part, int i) { append_nodes(part, {&block.nodes[i], 1}); });
+            append_rows(sink, count, [&](std::string& part, int i) { append_position(part, block.nodes[i]); });
         }
         sink(numbers.end_section("Nodes"));
     }
@@ -151,8 +129,8 @@ struct MshWriter {
         numbers.size(text, static_cast<long long>(blocks));
         numbers.size(text, static_cast<long long>(id.size()));
         const auto [least, largest] = std::minmax_element(id.begin(), id.end());
-        if (is_4_1) numbers.size(text, *least);
-        if (is_4_1) numbers.size(text, *largest);
+        numbers.size(text, *least);
+        numbers.size(text, *largest);
         numbers.end_record(text);
         sink(text);
     }
@@ -160,17 +138,10 @@ struct MshWriter {
     // third: 0 of nodes (not parametric), the type of elements.
     void begin_block(const EntityKey& entity, int third, int count) const {
         std::string text;
-        numbers.integer(text, is_4_1 ? entity.dim : entity.tag);
-        numbers.integer(text, is_4_1 ? entity.tag : entity.dim);
-        numbers.integer(text, third);
+        for (const int number : {entity.dim, entity.tag, third}) numbers.integer(text, number);
         numbers.size(text, count);
         numbers.end_record(text);
         sink(text);
-    }
-
-    void append_node(std::string& text, int node) const {
-        numbers.id(text, msh_node_id(mesh, node));
-        append_position(text, node);
     }
 
     void append_position(std::string& text, int node) const {
@@ -179,7 +150,7 @@ struct MshWriter {
     }
 
     void append_nodes(std::string& text, std::span<const int> nodes) const {
-        for (const int node : nodes) numbers.id(text, msh_node_id(mesh, node));
+        for (const int node : nodes) numbers.id(text, file.node_id[node]);
         numbers.end_record(text);
     }
 };
@@ -193,7 +164,6 @@ void check_ids_fit(const Mesh& mesh, const FileFormat& format) {
         for (const long long id : ids) largest = std::max(largest, id);
     };
     see(mesh.file.node_id);
-    for (const LooseNode& node : mesh.file.loose) largest = std::max(largest, node.id);
     for (const MshCells& cells : msh_cells(mesh)) see(cells.id);
     if (largest > std::numeric_limits<int>::max())
         throw InputError("id ", largest,
@@ -214,9 +184,16 @@ void write_msh(const std::string& path, const Mesh& mesh, const std::vector<doub
     write_file(path, [&](const TextSink& sink) { MshWriter{sink, mesh, x, format}.write(); });
 }
 
-std::string msh_text(const Mesh& mesh, const std::vector<double>& x) { return msh_text(mesh, x, mesh.file.format); }
+std::string msh_text(const Mesh& mesh, const std::vector<double>& x) {
+    return msh_text(mesh, x, written_msh(mesh.file.format));
+}
 void write_msh(const std::string& path, const Mesh& mesh, const std::vector<double>& x) {
-    write_msh(path, mesh, x, mesh.file.format);
+    write_msh(path, mesh, x, written_msh(mesh.file.format));
+}
+
+FileFormat written_msh(const FileFormat& format) {
+    if (format.kind != FileFormat::Kind::msh) return {};
+    return {format.kind, format.msh_version < 40 ? 22 : 41, format.binary};
 }
 
 }  // namespace almesh

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cstdlib>
 #include <numeric>
+#include <utility>
 
 #include "base/bytes.hpp"
 #include "base/decimal.hpp"
 #include "base/files.hpp"
+#include "base/index.hpp"
 
 namespace almesh {
 namespace {
@@ -81,6 +83,18 @@ std::string patched(std::string_view file, const CoordinateFields& fields, const
 std::vector<double> rounded_as(const CoordinateFields& fields, std::vector<double> x) {
     for (std::size_t k = 0; k < fields.first.size() && rounds(fields); ++k)
         x[k] = fields.width > 0 ? number_in(in_columns(x[k], fields.width)) : static_cast<float>(x[k]);
+    return x;
+}
+
+std::vector<double> read_back(const FileTags& file, std::vector<double> x) {
+    const int dim = file.coordinates.dim;
+    x = rounded_as(file.coordinates, std::move(x));
+    for (const ImpliedNode& implied : file.implied)
+        for (int a = 0; a < dim; ++a) {
+            double sum = 0;
+            for (const auto& [node, weight] : implied.terms) sum += weight * x[offset(node, dim, a)];
+            x[offset(implied.node, dim, a)] = sum;
+        }
     return x;
 }
 

@@ -20,4 +20,9 @@ inline bool rounds(const CoordinateFields& fields) {
 }
 std::vector<double> rounded_as(const CoordinateFields& fields, std::vector<double> x);
 
+// The same of all nodes of a mesh of the file, with those that the file does not have where the others put them; and
+// whether that is what is written.
+std::vector<double> read_back(const FileTags& file, std::vector<double> x);
+inline bool is_read_back(const FileTags& file) { return !rounds(file.coordinates) && file.implied.empty(); }
+
 }  // namespace almesh

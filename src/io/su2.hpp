@@ -14,13 +14,13 @@ bool looks_like_su2(std::string_view text);
 
 // Node and element ids are SU2's numbers plus one, those of the next zone after those of one. A marker is a physical
 // group of its name, "2:wall" where several zones have it; of several zones each is a group "zone-2" of elements, too.
-// What the file says besides the mesh is in `pieces`. Throws InputError "path:line: message": other element types,
+// The keywords of what the file says besides the mesh are in `sections`. Throws InputError "path:line: message": other element types,
 // numbers out of range, wrong counts, the end of the file before that of a section.
 RawMesh parse_su2(std::string_view text, const std::string& path);
 
-// x: node_count x dim positions. Nodes and elements are numbered from 0 in the mesh's order, those
-// of each zone by themselves. Markers are those of the file, the boundaries, and the tagged faces inside the mesh;
-// points and curves of tetrahedra have no place in SU2.
+// x: node_count x dim positions. Nodes and elements are numbered from 0 in the mesh's order, in one zone. Markers are
+// those of the file, the boundaries, and the tagged faces inside the mesh; points and curves of tetrahedra, and nodes
+// without an element, have no place in SU2.
 void write_su2(const std::string& path, const Mesh& mesh, const std::vector<double>& x);
 
 }  // namespace almesh

@@ -15,7 +15,6 @@ namespace almesh {
 namespace {
 
 struct Su2Reader {
-    std::string_view text;
     TextScanner in;  // of the text without comments
     RawMesh mesh{};
     int dim = 0, begun = 0;                         // begun: the zone of the last IZONE
@@ -23,23 +22,22 @@ struct Su2Reader {
     std::size_t first_node = 0, first_element = 0;  // of this zone
     int row_line = 0;                               // where the row that is read begins
     std::map<std::pair<const CellType*, int>, std::vector<int>> orders{};  // of nodes, by cell and degree
-    std::size_t kept = 0;                           // the end of the last line that is in mesh.pieces, in `text`
+    std::vector<int> zone_of_group{};
 
     RawMesh read() {
-        if (text.starts_with("% almesh ")) in.rest_of_line();  // of a run before
-        kept = in.at - in.start;
         std::string last;  // keyword
+        std::vector<std::string>& others = mesh.sections;
         while (in.next_line()) {
-            const std::size_t line = in.at - in.start;
             const std::string keyword = take_keyword();
             if (keyword.empty() && (last.empty() || is_known(last)))
                 in.fail("expected `KEYWORD= VALUE`, got ", in_backquotes(in.rest_of_line().substr(0, 40)),
                         last.starts_with("N") ? ": more rows than " + last + " announces" : "");
             if (!keyword.empty()) last = keyword;
-            if (is_known(keyword)) known(keyword, line);
+            if (is_known(keyword)) known(keyword);
+            else if (!keyword.empty() && std::find(others.begin(), others.end(), keyword) == others.end())
+                others.push_back(keyword);
             in.rest_of_line();
         }
-        keep_lines(text.size());
         if (begun < mesh.zones && mesh.zones > 1)
             in.fail("NZONE announces ", mesh.zones, " zones, only ", begun, " are there");
         end_zone();
@@ -58,7 +56,7 @@ struct Su2Reader {
         return std::find(keywords.begin(), keywords.end(), keyword) != keywords.end();
     }
 
-    void known(const std::string& keyword, std::size_t line) {
+    void known(const std::string& keyword) {
         if (keyword == "IZONE") return begin_zone();
         if (keyword.starts_with("MARKER_")) in.fail(keyword, " outside of NMARK: are there more markers than it says?");
         if (has(keyword))
@@ -67,19 +65,16 @@ struct Su2Reader {
         if (keyword == "NDIME") return dimension();
         if (keyword == "NZONE") {
             mesh.zones = in.small_integer("the number of zones", 1);
+            if (mesh.zones > 1) mesh.sections.push_back(keyword);
             return;
         }
         if (dim == 0) in.fail("NDIME has to come first");
         if (mesh.zones > 1 && begun == 0) in.fail("of several zones each has to begin with IZONE= NUMBER");
-        keep_lines(line);
-        mesh.pieces.push_back({keyword, std::max(begun, 1)});
         if (keyword == "NELEM")
             rows("elements", count_of("the number of elements", 0),
                  [&](int) { element(dim, mesh.zones > 1 ? begun : 0); });
         else if (keyword == "NPOIN") points();
         else markers();
-        in.rest_of_line();
-        kept = in.at - in.start;
     }
 
     void dimension() {
@@ -98,16 +93,6 @@ struct Su2Reader {
         keywords.clear();
     }
 
-    // The lines before `until` that are in no section.
-    void keep_lines(std::size_t until) {
-        std::string lines(text.substr(kept, until - kept));
-        if (kept) lines.erase(0, 1);
-        if (until != text.size()) lines.erase(lines.rfind('\n') + 1);  // the blanks before a keyword
-        std::erase(lines, '\r');
-        if (!lines.empty() && lines.back() != '\n') lines += '\n';
-        if (!lines.empty()) mesh.pieces.push_back({std::move(lines)});
-    }
-
     void end_zone() {
         for (const char* section : {"NPOIN", "NELEM"})
             if (!has(section)) in.fail("there is no ", section, mesh.zones > 1 ? concat(" in zone ", begun) : "");
@@ -123,21 +108,14 @@ struct Su2Reader {
             }
         }
         first_node = mesh.nodes.size();
-        if (has("NMARK")) return;
-        const auto last = std::find_if(mesh.pieces.rbegin(), mesh.pieces.rend(), [](auto& p) { return p.zone > 0; });
-        mesh.pieces.insert(last.base(), {"NMARK", last->zone});
     }
 
     // Markers of one name in several zones are told apart by the zone's number; each zone is a group of elements.
     void name_groups() {
         std::map<std::string, int> count;
         for (const PhysicalGroup& group : mesh.groups) ++count[group.name];
-        auto group = mesh.groups.begin();
-        for (FilePiece& piece : mesh.pieces)
-            for (FileMarker& marker : piece.markers) {
-                if (count[group->name] > 1) group->name = concat(piece.zone, ":", marker.name);
-                marker.group = group++->name;
-            }
+        for (std::size_t k = 0; k < mesh.groups.size(); ++k)
+            if (std::string& name = mesh.groups[k].name; count[name] > 1) name = concat(zone_of_group[k], ":", name);
         for (int zone = 1; zone <= mesh.zones && mesh.zones > 1; ++zone)
             mesh.groups.push_back({dim, zone, concat("zone-", zone)});
     }
@@ -195,7 +173,6 @@ struct Su2Reader {
     }
 
     void points() {
-        if (mesh.zones > 1) mesh.node_blocks.push_back({mesh.nodes.size(), {dim, begun}});
         rows("points", count_of("the number of points", 1), [&](int k) {
             RawNode node{static_cast<long long>(mesh.nodes.size()) + 1, {}, row_line};
             for (int a = 0; a < dim; ++a) {
@@ -245,37 +222,35 @@ struct Su2Reader {
     }
 
     void markers() {
-        std::vector<FileMarker>& all = mesh.pieces.back().markers;
-        const int before = static_cast<int>(mesh.groups.size());
+        const auto before = static_cast<std::ptrdiff_t>(mesh.groups.size());
         rows("markers", count_of("the number of markers", 0), [&](int) {
             expect_keyword("MARKER_TAG");
             const std::string name(in.rest_as_name());
             if (name.empty()) in.fail("a marker without a name");
             expect_keyword("MARKER_ELEMS");
-            auto marker = std::find_if(all.begin(), all.end(), [&](const FileMarker& m) { return m.name == name; });
-            const int tag = before + static_cast<int>(marker - all.begin()) + 1;
-            if (marker == all.end()) {
+            const auto same = std::find_if(mesh.groups.begin() + before, mesh.groups.end(),
+                                           [&](const PhysicalGroup& group) { return group.name == name; });
+            const int tag = static_cast<int>(same - mesh.groups.begin()) + 1;
+            if (same == mesh.groups.end()) {
                 mesh.groups.push_back({dim - 1, tag, name});
-                marker = all.insert(marker, {name});
+                zone_of_group.push_back(begun);
             }
-            marker_rows(*marker, tag);
+            marker_rows(tag);
         });
     }
 
-    // Faces; rows of points, and the key before these, are kept as they are.
-    void marker_rows(FileMarker& marker, int tag) {
+    // Faces; rows of points, and the key before these, are passed over.
+    void marker_rows(int tag) {
         const int count = count_of("the number of elements", 0);
         std::pair end(in.at, in.line);  // of the last line taken
         for (; in.next_line() && std::string_view(in.at, in.end).starts_with("SEND_"); end = {in.at, in.line})
-            (marker.lines += in.rest_of_line()) += '\n';
+            in.rest_of_line();
         std::tie(in.at, in.line) = end;
         rows("elements", count, [&](int) {
             const char* const row = in.at;
             const bool is_point = in.small_integer("the type of an element") == simplex(0).vtk_types[0];
             in.at = row;
-            if (!is_point) return element(dim - 1, tag);
-            (marker.lines += in.rest_of_line()) += '\n';
-            ++marker.points;
+            is_point ? void(in.rest_of_line()) : element(dim - 1, tag);
         });
     }
 };
@@ -303,7 +278,7 @@ bool looks_like_su2(std::string_view text) {
 
 RawMesh parse_su2(std::string_view text, const std::string& path) {
     const std::string plain = without_comments(text);
-    Su2Reader reader{text, TextScanner(plain, path)};
+    Su2Reader reader{TextScanner(plain, path)};
     reader.mesh.path = path;
     reader.mesh.format.kind = FileFormat::Kind::su2;
     return reader.read();

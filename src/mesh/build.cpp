@@ -10,7 +10,7 @@
 
 #include "base/text.hpp"
 #include "mesh/build_boundary.hpp"
-#include "mesh/winding.hpp"
+#include "mesh/lagrange.hpp"
 
 namespace almesh {
 namespace {
@@ -57,24 +57,33 @@ constexpr double longest = 1e50;
 void number_nodes(MeshBuild& build) {
     const RawMesh& raw = build.raw;
     Mesh& mesh = build.mesh;
+    const CoordinateFields& all = raw.coordinates;
+    CoordinateFields& fields = mesh.file.coordinates = {all.form, all.order, mesh.dim, all.width};
     build.node.assign(raw.nodes.size(), -1);
     for (int i : build.elements)
         for (int k = 0; k < raw.elements[i].node_count(); ++k)
             build.node[raw.element_nodes[raw.elements[i].first + k]] = 0;
-    fill_loose_nodes(build);
     int next = 0;
-    auto block = raw.node_blocks.begin();
     for (std::size_t i = 0; i < raw.nodes.size(); ++i) {
         const RawNode& node = raw.nodes[i];
-        if (build.node[i] < 0) continue;
+        if (build.node[i] < 0) {
+            ++mesh.file.loose;
+            continue;
+        }
         if (!std::all_of(node.x, node.x + 3, [](double x) { return std::abs(x) <= longest; }))
             build.refuse("node ", node.id, " is at ", position_text(node.x, 3), ", farther than ", longest,
                          ", where volumes are no numbers: take a larger unit of length");
         build.node[i] = next++;
         mesh.file.node_id.push_back(node.id);
         mesh.x.insert(mesh.x.end(), node.x, node.x + mesh.dim);
-        while (block != raw.node_blocks.end() && block->first <= i) ++block;
-        if (block != raw.node_blocks.begin()) mesh.file.node_entity.push_back(std::prev(block)->entity);
+        for (int a = 0; a < mesh.dim && offset(i, all.dim) < all.first.size(); ++a)
+            fields.first.push_back(all.first[offset(i, all.dim, a)]);
+    }
+    for (ImpliedNode implied : raw.implied) {
+        if (build.node[implied.node] < 0) continue;
+        implied.node = build.node[implied.node];
+        for (auto& [node, weight] : implied.terms) node = build.node[node];
+        mesh.file.implied.push_back(std::move(implied));
     }
 }
 
@@ -130,6 +139,26 @@ int orientation(const MeshBuild& build, int e) {
     return volume > 0 ? 1 : -1;
 }
 
+// Turns the given elements over, with all their nodes: by the last two vertices of their triangles or tetrahedra, or
+// two lines as their factors, exchanged.
+void reverse(Mesh& mesh, const std::vector<int>& elements) {
+    for (const ElementGroup& group : mesh.element_groups()) {
+        const LagrangeBasis basis(*group.cell, mesh.degree);
+        MultiIndex swap = {0, 1, 2, 3, 4, 5};
+        const int first = group.cell->factors[0];
+        if (first > 1) std::swap(swap[first - 1], swap[first]);
+        else swap = {2, 3, 0, 1, 4, 5};
+        std::vector<int> from(basis.count), before(basis.count);
+        for (int i = 0; i < basis.count; ++i) from[i] = basis.permuted_node(i, swap);
+        for (const int e : elements) {
+            if (e < group.first || e >= group.first + group.count) continue;
+            int* const node = mesh.elements.data() + (mesh.element(e) - mesh.elements.data());
+            std::copy_n(node, basis.count, before.begin());
+            for (int i = 0; i < basis.count; ++i) node[i] = before[from[i]];
+        }
+    }
+}
+
 // Of some elements the one that comes first in the file.
 int first_in_file(const MeshBuild& build, const std::vector<int>& elements) {
     return *std::min_element(elements.begin(), elements.end(),
@@ -176,7 +205,6 @@ Mesh oriented_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds fo
     Mesh& mesh = build.mesh;
     mesh.file.groups = raw.groups;
     mesh.file.format = raw.format;
-    mesh.file.pieces = raw.pieces;
     mesh.file.zones = raw.zones;
     mesh.file.entities = raw.entities;
     mesh.file.sections = raw.sections;
@@ -206,7 +234,6 @@ Mesh oriented_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds fo
                          ? ": the mesh folds over itself; `almesh quality` tells where, `almesh improve` mends it"
                          : " without their curves: the straight form of the mesh folds over itself");
     if (!mesh.folded.empty() && orientation == Orientation::of_vertices) return std::move(build.mesh);
-    set_winding(mesh, turned);
     if (!turned.empty())
         notes.push_back(concat(counted(turned.size(), "element"),
                                " with negative orientation turned, the first is element ",

@@ -15,7 +15,6 @@
 #include "linalg/ordering/graph.hpp"
 #include "mesh/sides.hpp"
 #include "mesh/unused_ids.hpp"
-#include "mesh/winding.hpp"
 
 namespace almesh {
 namespace {
@@ -230,7 +229,6 @@ struct BoundaryMatcher {
 void add_face(const BoundaryMatcher& matcher, int side, int boundary, const RawElement* in_file, Mesh& mesh,
               std::vector<const CellType*>& types) {
     const CellType& cell = matcher.cell_of(side);
-    const std::size_t start = mesh.faces.size();
     for (int k = 0; k < cell.node_count(mesh.degree); ++k) mesh.faces.push_back(matcher.node_of(side, k));
     types.push_back(&cell);
     mesh.face_element.push_back(side / matcher.most_sides);
@@ -238,9 +236,6 @@ void add_face(const BoundaryMatcher& matcher, int side, int boundary, const RawE
     mesh.file.face_id.push_back(in_file ? in_file->id : 0);
     mesh.file.face_physical.push_back(in_file ? in_file->physical : 0);
     mesh.file.face_entity.push_back(in_file ? in_file->entity : 0);
-    std::array<int, 4> vertex{};
-    for (int k = 0; in_file && k < cell.vertices; ++k) vertex[k] = matcher.build.node_in(*in_file, k);
-    mesh.file.face_winding.push_back(in_file ? winding(&mesh.faces[start], vertex.data(), cell.vertices) : 0);
 }
 
 // Tags of the physical groups of a face: those of its entity, or its own.
@@ -362,12 +357,6 @@ std::string MeshBuild::node_ids(const int* nodes, int count) const {
     std::string text;
     for (int k = 0; k < count; ++k) text += (k ? ", " : "") + std::to_string(mesh.file.node_id[nodes[k]]);
     return text;
-}
-
-EntityKey MeshBuild::entity_of(std::size_t raw_node) const {
-    const auto next = std::upper_bound(raw.node_blocks.begin(), raw.node_blocks.end(), raw_node,
-                                       [](std::size_t at, const RawNodeBlock& block) { return at < block.first; });
-    return next == raw.node_blocks.begin() ? EntityKey{} : std::prev(next)->entity;
 }
 
 std::string name_of(const RawElement& element) {

@@ -16,15 +16,13 @@ struct MeshBuild {
     std::vector<std::string>& notes;
     Mesh mesh;
     std::vector<int> elements, faces;  // elements of the mesh and tagged faces in file order: indices into raw.elements
-    std::vector<int> node;             // node of the mesh by raw node, -1: none, below: see fill_loose_nodes()
+    std::vector<int> node;             // node of the mesh by raw node, -1: none
     std::vector<int> kept;             // what else there is: indices into raw.elements
     std::vector<int> repeated{};       // elements that have the vertices of others: indices into raw.elements
 
     const RawElement& element(int e) const { return raw.elements[elements[e]]; }
     const RawElement& face(int f) const { return raw.elements[faces[f]]; }
     std::string node_ids(const int* nodes, int count) const;  // of nodes of the mesh, separated by commas
-    int node_in(const RawElement& cell, int k) const { return node[raw.element_nodes[cell.first + k]]; }
-    EntityKey entity_of(std::size_t raw_node) const;          // as the file says it. Cost: O(log blocks)
 
     // Throw InputError "path: message" and "path:line: element 12 message", without the line of a binary file.
     template <class... Parts>
@@ -56,14 +54,8 @@ std::vector<std::array<int, 2>> fill_boundary(MeshBuild& build);
 // not match. Cost: O(faces log faces), none where all faces are of one type.
 void refuse_hanging_faces(const MeshBuild& build);
 
-// The cells of the file that are neither elements nor boundary faces.
-
-// Nodes without an element. Call with MeshBuild::node filled; gives them -2 - k there, k their number among the loose
-// ones.
-void fill_loose_nodes(MeshBuild& build);
-
-// Fills Mesh::kept from MeshBuild::kept, once elements and nodes are there. Curves and faces that are not in the mesh
-// are dropped with a note. Cost: O(elements + kept cells * elements around a vertex).
+// Fills Mesh::kept from MeshBuild::kept, once elements and nodes are there. What is not in the mesh is left out, with a
+// note of curves and faces. Cost: O(elements + kept cells * elements around a vertex).
 void fill_kept(MeshBuild& build);
 
 }  // namespace almesh

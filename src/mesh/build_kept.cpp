@@ -42,17 +42,6 @@ void append(KeptCells& kept, const RawElement& cell, const std::vector<int>& nod
 
 }  // namespace
 
-void fill_loose_nodes(MeshBuild& build) {
-    const RawMesh& raw = build.raw;
-    std::vector<LooseNode>& loose = build.mesh.file.loose;
-    for (std::size_t i = 0; i < raw.nodes.size(); ++i) {
-        if (build.node[i] >= 0) continue;
-        build.node[i] = -2 - static_cast<int>(loose.size());
-        const RawNode& node = raw.nodes[i];
-        loose.push_back({node.id, {node.x[0], node.x[1], node.x[2]}, build.entity_of(i)});
-    }
-}
-
 void fill_kept(MeshBuild& build) {
     Mesh& mesh = build.mesh;
     const RawMesh& raw = build.raw;
@@ -68,7 +57,7 @@ void fill_kept(MeshBuild& build) {
         for (int k = 0; k < cell.node_count(); ++k)
             nodes.push_back(build.node[raw.element_nodes[cell.first + k]]);
         if (cell.dim == 0) {
-            append(mesh.kept[0], cell, {nodes[0] < 0 ? nodes[0] + 1 : nodes[0]}, -1);
+            if (nodes[0] >= 0) append(mesh.kept[0], cell, nodes, -1);
             continue;
         }
         const bool is_copy = cell.dim == mesh.dim && !cell.cell().is_simplex();
@@ -81,10 +70,10 @@ void fill_kept(MeshBuild& build) {
     }
     if (copies)
         build.notes.push_back(concat(counted(copies, mesh.dim == 2 ? "quadrilateral" : "cell"),
-                                     " given again dropped: the groups of what is given first count"));
+                                     " given again left out: the groups of what is given first count"));
     if (dropped)
         build.notes.push_back(concat(counted(dropped, "element"), " of the file that ", dropped == 1 ? "is" : "are",
-                                     " no edge or face of the mesh dropped, the first is ", name_of(*first_dropped)));
+                                     " no edge or face of the mesh left out, the first is ", name_of(*first_dropped)));
 }
 
 }  // namespace almesh

@@ -9,7 +9,6 @@
 #include "mesh/kept_cells.hpp"
 #include "mesh/raw_mesh.hpp"
 #include "mesh/sides.hpp"
-#include "mesh/winding.hpp"
 
 namespace almesh {
 namespace {
@@ -202,11 +201,9 @@ struct InnerBuilder {
                          [](const InnerFace& a, const InnerFace& b) { return (a.kept < 0) < (b.kept < 0); });
         std::vector<const CellType*> types;  // of all faces
         for (int f = 0; f < mesh.face_count(); ++f) types.push_back(&mesh.face_cell(f));
-        if (!inner.empty()) mesh.file.face_winding.resize(mesh.face_count());
         for (const InnerFace& face : inner) {
             const int e = face.side[0] / most_sides, side = face.side[0] % most_sides, c = face.kept;
             const CellType& cell = mesh.cell(e).face_type(side);
-            const std::size_t start = mesh.faces.size();
             for (const int k : side_nodes.of(mesh.cell(e), side)) mesh.faces.push_back(mesh.element(e)[k]);
             types.push_back(&cell);
             mesh.face_element.push_back(e);
@@ -214,8 +211,6 @@ struct InnerBuilder {
             mesh.file.face_id.push_back(c < 0 ? 0 : kept[c].id);
             mesh.file.face_physical.push_back(c < 0 ? not_in_file : kept[c].physical);
             mesh.file.face_entity.push_back(c < 0 ? 0 : kept[c].entity);
-            mesh.file.face_winding.push_back(
-                c < 0 ? 0 : winding(&mesh.faces[start], kept[c].nodes, cell.vertices));
             if (c >= 0) taken.insert({kept[c].cell, kept[c].place});
         }
         group_faces(mesh, types);

@@ -77,8 +77,8 @@ void restrict_kept_cells(const Mesh& mesh, const std::vector<int>& index, Mesh& 
         KeptCells& to = linear.kept[kind] = {};
         for (int c = 0; c < from.count(); ++c) {
             const int* const node = &from.nodes[offset(c, width)];
-            if (cell.dim == 0 && *node >= 0 && index[*node] < 0) continue;
-            for (int v = 0; v < cell.vertices; ++v) to.nodes.push_back(node[v] < 0 ? node[v] : index[node[v]]);
+            if (index[*node] < 0) continue;
+            for (int v = 0; v < cell.vertices; ++v) to.nodes.push_back(index[node[v]]);
             append_tags(from, c, to);
         }
     }
@@ -90,8 +90,7 @@ std::vector<char> nodes_of_features(const Mesh& mesh) {
         const CellType& cell = mesh.cell_of(some);
         const int width = cell.node_count(mesh.degree);
         for (int c = 0; c < some.count() && cell.dim < mesh.dim - 1; ++c)
-            for (int i = 0; i < width && some.physical[c] > 0; ++i)
-                if (const int node = some.nodes[offset(c, width, i)]; node >= 0) nodes[node] = 1;
+            for (int i = 0; i < width && some.physical[c] > 0; ++i) nodes[some.nodes[offset(c, width, i)]] = 1;
     }
     return nodes;
 }

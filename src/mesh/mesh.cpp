@@ -78,7 +78,6 @@ void group_faces(Mesh& mesh, const std::vector<const CellType*>& types) {
                                        &mesh.file.face_entity})
         sort(*of);
     sort(mesh.file.face_id);
-    sort(mesh.file.face_winding);
 }
 
 int add_boundary(Mesh& mesh, const std::vector<std::string>& groups) {

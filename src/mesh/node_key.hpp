@@ -75,9 +75,7 @@ inline void check_size(const Mesh& mesh, int degree, double times, const char* w
 
 // New nodes get ids that the mesh they come from does not have.
 inline void append_node_ids(const Mesh& from, Mesh& mesh) {
-    std::vector<long long> taken = from.file.node_id;
-    for (const LooseNode& node : from.file.loose) taken.push_back(node.id);
-    UnusedIds<long long> unused(std::move(taken));
+    UnusedIds<long long> unused(from.file.node_id);
     while (static_cast<int>(mesh.file.node_id.size()) < mesh.nodes()) mesh.file.node_id.push_back(unused.next());
 }
 

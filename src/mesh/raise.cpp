@@ -24,10 +24,9 @@ void start_groups(std::vector<ElementGroup>& groups, int degree) {
 Mesh linear_part(const Mesh& mesh) {
     Mesh linear = mesh;
     linear.degree = 1;
-    if (mesh.degree > 1) linear.file.sections.clear();
+    if (mesh.degree > 1) linear.file.leave_file();
     linear.x.clear();
     linear.file.node_id.clear();
-    linear.file.node_entity.clear();
     std::vector<int> index(mesh.nodes(), -1);
     for (int e = 0; e < mesh.element_count(); ++e)
         for (int v = 0; v < mesh.cell(e).vertices; ++v) index[mesh.element(e)[v]] = 0;
@@ -36,8 +35,6 @@ Mesh linear_part(const Mesh& mesh) {
         if (index[i] < 0) continue;
         index[i] = count++;
         linear.file.node_id.push_back(mesh.file.node_id[i]);
-        if (i < static_cast<int>(mesh.file.node_entity.size()))
-            linear.file.node_entity.push_back(mesh.file.node_entity[i]);
         for (int a = 0; a < mesh.dim; ++a) linear.x.push_back(mesh.x[offset(i, mesh.dim, a)]);
     }
     linear.elements.clear();
@@ -64,7 +61,7 @@ Mesh interpolated(const Mesh& mesh, int degree) {
     check_size(mesh, degree, 1, "degree");
     const Mesh linear = linear_part(mesh);
     Mesh raised = linear;
-    if (degree > mesh.degree) raised.file.sections = mesh.file.sections;
+    raised.file.leave_file();
     raised.degree = degree;
     raised.elements.clear();
     std::unordered_map<NodeKey, int, NodeKeyHash> node_of;

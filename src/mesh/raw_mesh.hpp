@@ -29,12 +29,6 @@ struct RawElement {
     int node_count() const { return cell().node_count(degree); }
 };
 
-// The nodes from `first` on, up to those of the next block, lie on an elementary entity.
-struct RawNodeBlock {
-    std::size_t first;
-    EntityKey entity;
-};
-
 struct RawMesh {
     std::string path;
     FileFormat format;
@@ -43,11 +37,10 @@ struct RawMesh {
     std::vector<RawElement> elements;
     std::vector<int> element_nodes;  // indices into nodes
     std::vector<PhysicalGroup> groups;
-    std::vector<RawNodeBlock> node_blocks;  // of all nodes, in their order; empty where the format has none
     std::vector<FileEntity> entities;       // ascending by key; empty where the format has none
-    std::vector<FilePiece> pieces;          // of SU2
     int zones = 1;                          // of SU2: where there are several, the entity of an element is its zone
-    std::vector<FileSection> sections;      // of MSH
+    std::vector<ImpliedNode> implied;       // added to the others
+    std::vector<std::string> sections;      // what else the file has
     std::vector<std::string> notes;         // of what the reader has changed
 };
 

@@ -233,9 +233,7 @@ Mesh refine_once(const Mesh& mesh) {
             for (int k = 0; k < type.vertices; ++k) fine.faces.push_back(fine.element(e)[local[k]]);
         });
     }
-    fine.file.sections.clear();
-    fine.file.element_winding.clear();
-    fine.file.face_winding.clear();
+    fine.file.leave_file();
     fine.face_boundary = repeated(mesh.face_boundary, face_children);
     fine.file.face_physical = repeated(mesh.file.face_physical, face_children);
     fine.file.face_entity = repeated(mesh.file.face_entity, face_children);

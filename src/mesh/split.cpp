@@ -84,7 +84,7 @@ public:
             }
         }
         append_node_ids(mesh_, mesh_);
-        std::erase_if(mesh_.file.sections, [](const FileSection& s) { return s.name == "$ElementNodeData"; });
+        mesh_.file.leave_file();
     }
 
 private:
@@ -115,7 +115,6 @@ private:
         mesh_.file.element_id.push_back(ids_.next());
         for (std::vector<int>* const of : {&mesh_.file.element_physical, &mesh_.file.element_entity, &whole_})
             repeat(*of, e);
-        repeat(mesh_.file.element_winding, e);
         parts_[whole_[e]].push_back(part);
         return part;
     }

@@ -103,8 +103,6 @@ int split_infeasible(const ProblemOptions& options, Problem& problem) {
     problem.notes.push_back(note_of(options, problem, in_file, base,
                             concat("divided by ", counted(at.size(), "node"), " inside, the mesh has ",
                                    divided.element_count() - base.element_count(), " elements more")));
-    if (divided.file.sections.size() < base.file.sections.size())
-        problem.notes.push_back("not in the final mesh, as its elements are not those of the file: $ElementNodeData");
     base = std::move(divided);
     return static_cast<int>(in_file.elements.size());
 }

@@ -314,7 +314,7 @@ void complete(const ProblemSetup& setup, Problem& problem) {
     problem.frame.origin = local_origin(problem.base);
     problem.frame.length = unit_of_length(setup, problem.name, volume(mesh, problem.ideal()), mesh.dim);
     const std::shared_ptr<SlidingSurfaces> sliding = make_surfaces(setup, problem);
-    if (problem.curves_in_place || is_improved(setup.ideal) || setup.in_time) problem.file_x = mesh.x;
+    problem.file_x = mesh.x;
     finish(mesh, problem.frame, sliding.get(), problem.target);
     problem.sliding = sliding;
     take_to_run(problem.frame, *problem.level);

@@ -27,7 +27,7 @@ struct Problem {
     std::vector<double> node_target;  // target.node in units of the file
     int split_elements = 0;           // of the file: inverted by the target, and divided in the base mesh
     bool curves_in_place = false;     // a curved mesh whose boundary should stay as in the file (curving.hpp)
-    std::vector<double> file_x;       // curved in place, improved, frames: mesh().x in units of the file, nodes x dim
+    std::vector<double> file_x;       // mesh().x in units of the file, nodes x dim
     std::vector<double> start;        // start = FILE: the first iterate, in the run's frame,
     std::optional<Standing> standing;  // and where its run stood, of which it is a mesh so far,
     std::string way;                   // on this way (deck/so_far.hpp)

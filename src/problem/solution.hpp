@@ -72,7 +72,7 @@ struct Solution {
 using Solve = std::function<Solution(const ProblemOptions& options, const Problem& problem)>;
 
 // Node positions of the solution in the file's frame. A node at its target gets the exact bits of the target, and a
-// node that has not moved, in a problem with file_x, those of the file.
+// node that has not moved those of the file.
 std::vector<double> final_positions(const Problem& problem, const std::vector<double>& solution);
 
 }  // namespace almesh

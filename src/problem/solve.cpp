@@ -5,6 +5,7 @@
 
 #include "base/index.hpp"
 #include "check/boundary_distance.hpp"
+#include "io/patch.hpp"
 #include "mesh/inner_boundary.hpp"
 #include "method/set_boundary.hpp"
 #include "method/levels.hpp"
@@ -103,12 +104,12 @@ std::vector<double> final_positions(const Problem& problem, const std::vector<do
     const Mesh& mesh = problem.mesh();
     const int dim = mesh.dim;
     std::vector<double> x = problem.frame.to_file(solution, dim);
+    for (std::size_t i = 0; i < x.size(); ++i)
+        if (solution[i] == mesh.x[i]) x[i] = problem.file_x[i];
     for (std::size_t k = mesh.faces.size(); k-- > 0;)  // the first face that holds a node decides
         if (const int i = mesh.faces[k]; std::equal(point(solution, i, dim), point(solution, i, dim) + dim,
                                                     &problem.target.node[k * dim]))
             std::copy_n(&problem.node_target[k * dim], dim, point(x, i, dim));
-    for (std::size_t i = 0; i < problem.file_x.size(); ++i)
-        if (solution[i] == mesh.x[i]) x[i] = problem.file_x[i];
     return x;
 }
 
@@ -158,10 +159,10 @@ void snap(const ProblemOptions& options, const Problem& problem, Solution& solut
 }
 
 // What is certified is what will be read: far from the file's origin its numbers have fewer digits than those of the
-// run.
+// run, a file may have short ones, and nodes that it does not have lie where others put them.
 void round_as_file(const Problem& problem, std::vector<double>& x) {
-    if (problem.frame.origin == Vec<3>{}) return;
-    x = final_positions(problem, x);
+    if (problem.frame.origin == Vec<3>{} && is_read_back(problem.mesh().file)) return;
+    x = read_back(problem.mesh().file, final_positions(problem, x));
     problem.frame.take_to_run(x, problem.mesh().dim);
 }
 

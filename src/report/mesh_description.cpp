@@ -34,9 +34,9 @@ std::string kept_text(const Mesh& mesh) {
         if (const CellType& cell = mesh.cell_of(kept); kept.count() && cell.dim < mesh.dim)
             text += concat(text.empty() ? "" : ", ", counted(kept.count(), cell.name),
                            cell.dim == mesh.dim - 1 ? " inside the mesh, in no group or repeated" : "");
-    if (const auto count = mesh.file.loose.size())
+    if (const int count = mesh.file.loose)
         text += concat(text.empty() ? "" : ", ", counted(count, "node"), " without an element");
-    for (const FileSection& section : mesh.file.sections) text += (text.empty() ? "" : ", ") + section.name;
+    for (const std::string& section : mesh.file.sections) text += (text.empty() ? "" : ", ") + section;
     return text;
 }
 

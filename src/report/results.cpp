@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "base/version.hpp"
 #include "deck/deck_checks.hpp"
@@ -12,10 +13,8 @@
 #include "base/parallel.hpp"
 #include "base/text.hpp"
 #include "check/infeasible.hpp"
-#include "io/msh.hpp"
-#include "io/su2.hpp"
-#include "io/vtk.hpp"
-#include "mesh/winding.hpp"
+#include "io/mesh_format.hpp"
+#include "io/patch.hpp"
 
 namespace almesh {
 namespace {
@@ -108,21 +107,49 @@ std::string row_of_series(const std::string& name, double time) {
 
 std::string iterate_name(int number) { return numbered("iterate-", number); }
 
+// The user's own file with these positions, where it is still the one that the run has read.
+std::optional<std::string> patched_file(const Deck& deck, const Problem& problem,
+                                        const std::vector<double>& positions) {
+    std::string why = " has changed since the run began";
+    try {
+        if (const std::string text = read_file(deck.mesh); hash_of(text) == problem.mesh_hash)
+            return patched(text, problem.mesh().file.coordinates, positions);
+    } catch (const InputError& error) {
+        why = concat(" is gone (", error.what(), ")");
+    }
+    std::fprintf(stderr, "note: %s%s: the final mesh is written anew, with what the program knows of it\n",
+                 deck.mesh.c_str(), why.c_str());
+    return std::nullopt;
+}
+
+// In the format of the mesh file its own text; else anew, with the mesh's own nodes. Returns the path.
+std::string write_mesh_in(FileFormat format, const Deck& deck, const Problem& problem,
+                          const std::vector<double>& positions, const std::string& path) {
+    const Mesh& mesh = problem.mesh();
+    if (format == mesh.file.format && mesh.file.can_be_patched()) {
+        const std::string own = path + ending_of_final(format);
+        if (const auto text = patched_file(deck, problem, positions)) return write_file(own, *text), own;
+        format = written_anew(format);
+    }
+    const std::string anew = path + ending_of_final(format);
+    if (format.kind == FileFormat::Kind::su2) write_su2(anew, mesh, positions);
+    else write_msh(anew, mesh, positions, format);
+    return anew;
+}
+
 // The mesh, in the formats of the key `final`, and its VTK file. Returns the first one.
 std::string write_mesh(const Deck& deck, const Problem& problem, const Solution& solution,
                        const std::vector<double>& positions, const std::string& name,
                        const std::vector<VtkArray>& point_data = {}) {
-    const Mesh in_file = as_in_file(problem.mesh());
-    const std::string path = deck.output + "/" + name;
-    const std::vector<FileFormat> formats = final_formats(deck.final_format, in_file);
-    for (const FileFormat& format : formats) {
-        if (format.kind == FileFormat::Kind::su2) write_su2(path + ".su2", in_file, positions);
-        else write_msh(path + ".msh", in_file, positions, format);
+    std::string first;
+    for (const FileFormat& format : final_formats(deck.final_format, problem.mesh())) {
+        const std::string path = write_mesh_in(format, deck, problem, positions, deck.output + "/" + name);
+        if (first.empty()) first = path;
     }
     if (deck.vtk != VtkOutput::none)
         write_volume(deck, problem, name.c_str(), solution.x, positions, solution.al.distortion.element_max,
                      &solution.certificate.lower_bound, point_data);
-    return path + (formats.front().kind == FileFormat::Kind::su2 ? ".su2" : ".msh");
+    return first;
 }
 
 // The elements around the diagnosis, with the way from each node of the boundary to its target.

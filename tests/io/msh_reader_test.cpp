@@ -33,15 +33,11 @@ TEST_CASE("MSH 2.2, 4.0 and 4.1 hold the same mesh") {
     CHECK(find_entity(mesh.entities, 2, 12) == nullptr);
 }
 
-TEST_CASE("MSH 4 files say on which entity a node lies, and what bounds an entity") {
+TEST_CASE("MSH 4 files say what bounds an entity") {
     CHECK(parse_msh(in_4_0, "a.msh").format == FileFormat{.msh_version = 40});
     for (const std::string& text : {in_4_0, in_4_1}) {
         const RawMesh mesh = parse_msh(text, "a.msh");
         check_is_the_triangle(mesh);
-        REQUIRE(mesh.node_blocks.size() == 2);
-        CHECK(mesh.node_blocks[0].entity == EntityKey{1, 11});
-        CHECK(mesh.node_blocks[1].first == 2);
-        CHECK(mesh.node_blocks[1].entity == EntityKey{2, 1});
         REQUIRE(mesh.entities.size() == 4);
         CHECK(mesh.entities[0].key == EntityKey{0, 1});
         CHECK(mesh.entities[0].box == std::array<double, 6>{});

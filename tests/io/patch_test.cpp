@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "base/bytes.hpp"
@@ -18,6 +20,13 @@ std::vector<double> positions_of(const RawMesh& raw) {
     for (std::size_t k = 0; k < raw.coordinates.first.size(); ++k)
         x.push_back(raw.nodes[k / raw.coordinates.dim].x[k % raw.coordinates.dim]);
     return x;
+}
+
+bool is_read(const std::string& name) try {
+    const std::vector<RawNode> nodes = read_mesh(name).nodes;
+    return std::all_of(nodes.begin(), nodes.end(), [](const RawNode& node) { return std::isfinite(node.x[0]); });
+} catch (const InputError&) {
+    return false;  // a seed of a bad file
 }
 
 // The file as it is where nothing moves; where every second number does, it is read back so, and the file read back
@@ -56,12 +65,14 @@ std::string vtk(const std::string& type) {
 }  // namespace
 
 TEST_CASE("patch: every format, read and written again") {
+    int files = 0;
     for (const char* folder : {"tests/io/data", "tests/fuzz/seeds/msh", "tests/fuzz/seeds/su2", "tests/fuzz/seeds/vtk"})
         for (const auto& entry : std::filesystem::directory_iterator(folder)) {
             const std::string name = entry.path().string();
             const bool is_mesh = name.ends_with(".msh") || name.ends_with(".su2") || name.ends_with(".vtk");
-            if (is_mesh) check_file(read_file(name), name);
+            if (is_mesh && is_read(name)) check_file(read_file(name), name), ++files;
         }
+    CHECK(files > 20);
     check_file(vtk<double>("double"), "double.vtk");
     check_file(vtk<float>("float"), "float.vtk");
 }
@@ -90,7 +101,7 @@ TEST_CASE("patch: the two zeros, and numbers below the range, keep their charact
 }
 
 TEST_CASE("patch: numbers in columns are as exact as their width lets them be, and have a point") {
-    const std::string text = "id     1.0  2.5D+00-1.00D+00\n";
+    const std::string text = "id      1.0  2.5D+00-1.00D+00\n";
     const CoordinateFields fields{CoordinateFields::Form::text, std::endian::little, 3, 9, {2, 11, 20}};
     CHECK(patched(text, fields, {1, 2.5, -1}) == text);
     const std::vector<double> x = {-1.0 / 3, 7, 1e-7 / 3}, rounded = rounded_as(fields, x);

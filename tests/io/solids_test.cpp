@@ -5,11 +5,11 @@
 #include <set>
 
 #include "base/error.hpp"
+#include "check/certificate.hpp"
 #include "io/foreign_cells.hpp"
 #include "io/mesh_format.hpp"
 #include "io/vtk.hpp"
 #include "mesh/build.hpp"
-#include "mesh/winding.hpp"
 #include "support/meshes.hpp"
 #include "support/program.hpp"
 #include "support/solids.hpp"
@@ -52,7 +52,7 @@ std::string su2_text(const Mesh& mesh) {
 
 std::string written(const std::string& text) {
     std::vector<std::string> notes;
-    const Mesh mesh = as_in_file(build_mesh(parse_mesh(text, "a.su2"), notes));
+    const Mesh mesh = build_mesh(parse_mesh(text, "a.su2"), notes);
     CHECK(notes.empty());
     return su2_text(mesh);
 }
@@ -69,7 +69,7 @@ TEST_CASE("hexahedra, prisms, pyramids and tetrahedra are read as they are writt
         CHECK(static_cast<int>(faces.size()) == mesh.face_count());
         const std::set names(mesh.boundaries.begin(), mesh.boundaries.end());
         std::vector<std::string> notes;
-        for (const int version : {22, 40, 41})
+        for (const int version : {22, 41})
             for (const bool binary : {false, true}) {
                 const std::string text = msh_text(mesh, mesh.x, {.msh_version = version, .binary = binary});
                 const RawMesh raw = parse_mesh(text, "a.msh");
@@ -136,7 +136,7 @@ TEST_CASE("SU2's hexahedra, prisms and pyramids of degree 2") {
     CHECK(su2_node_order(pyramid(), 2) == std::vector<int>{0, 5, 1, 6, 13, 8, 3, 10, 2, 7, 9, 12, 11, 4});
 }
 
-TEST_CASE("solids of SU2 in either orientation come out as they came in") {
+TEST_CASE("solids of SU2 are read in either orientation") {
     std::string text = su2_text(solid_mesh(1, "hdp"));
     const std::string from = "\n12 0 1 3 2 4 5 7 6 ", to = "\n12 0 2 3 1 4 6 7 5 ";
     REQUIRE(has(text, from));
@@ -144,7 +144,7 @@ TEST_CASE("solids of SU2 in either orientation come out as they came in") {
     std::vector<std::string> notes;
     const Mesh mesh = build_mesh(parse_mesh(text, "a.su2"), notes);
     CHECK(notes == std::vector<std::string>{"1 element with negative orientation turned, the first is element 1"});
-    CHECK(su2_text(as_in_file(mesh)) == text);
+    CHECK(certify(mesh, mesh.x).valid);
 }
 
 // The corners of the unit cube, as the vertices of one hexahedron.

@@ -206,11 +206,10 @@ TEST_CASE("cells of the file inside the mesh are split with it") {
         }
 }
 
-TEST_CASE("data by element and corner are left out of a mesh that is split, those of its nodes are not") {
+TEST_CASE("a mesh that is split, refined or raised has other nodes than its file") {
     Mesh mesh = square_mesh(1);
-    mesh.file.sections = {{"$NodeData", "a"}, {"$ElementNodeData", "b"}, {"$Periodic", "c"}};
-    const Mesh after = split(mesh, {{0, 3}});
-    REQUIRE(after.file.sections.size() == 2);
-    CHECK(after.file.sections[0].text == "a");
-    CHECK(after.file.sections[1].text == "c");
+    mesh.file.coordinates.first.resize(mesh.x.size());
+    CHECK(raise_degree(mesh, 1).file.can_be_patched());
+    for (const Mesh& other : {split(mesh, {{0, 3}}), refine(mesh, 1), raise_degree(mesh, 2)})
+        CHECK(!other.file.can_be_patched());
 }

@@ -105,14 +105,14 @@ TEST_CASE("a run whose motions take another file of the same name has another id
     CHECK(ids[2] != ids[0]);
 }
 
-TEST_CASE("all files of a run carry its id, which is that of the same run again, and of no other") {
+TEST_CASE("all files of a run but the patched mesh carry its id, that of the same run again, and of no other") {
     const RingDeck ring;
     const auto id_of = [&ring] { return summary_of(ring.output).at("run"); };
     REQUIRE(ring.run({"final=both", "iterates=1", "expect status = converged"}).code == 0);
     const std::string id = id_of();
     CHECK(id.size() == 16);
     for (const std::string& name : files_in(ring.output)) {
-        if (name == "iterates.vtk.series") continue;
+        if (name == "iterates.vtk.series" || name == "final.msh") continue;
         CAPTURE(name);
         CHECK(has(text_of(ring.output + "/" + name), id));
     }
@@ -122,7 +122,7 @@ TEST_CASE("all files of a run carry its id, which is that of the same run again,
     CHECK(text_of(ring.folder.path("other") + "/final.msh") == text_of(ring.output + "/final.msh"));
     REQUIRE(ring.run().code == 0);
     CHECK(id_of() != id);
-    for (const char* format : {"msh22-binary", "msh40", "msh41-binary"}) {
+    for (const char* format : {"msh22-binary", "msh41", "msh41-binary"}) {
         REQUIRE(ring.run({concat("final=", format)}).code == 0);
         CHECK(almesh_with({"info", ring.output + "/final.msh"}).code == 0);
         CHECK(has(text_of(ring.output + "/final.msh"), "$Comments\nalmesh 0.1.0, run " + id_of() + "\n$EndComments\n"));

@@ -249,8 +249,6 @@ TEST_CASE("the final mesh is in the format of the input or of the deck") {
     CHECK(format_with("both") == "MSH 4.1, binary");
     CHECK(format_with("msh22") == "MSH 2.2, ASCII");
     CHECK(format_with("msh22-binary") == "MSH 2.2, binary");
-    CHECK(format_with("msh40") == "MSH 4.0, ASCII");
-    CHECK(format_with("msh40-binary") == "MSH 4.0, binary");
     CHECK(format_with("msh41") == "MSH 4.1, ASCII");
     CHECK(format_with("msh41-binary") == "MSH 4.1, binary");
 }
