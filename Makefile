@@ -72,7 +72,7 @@ Q         := $(if $(V),,@)
 said       = $(if $(V),,@printf '%-5s %s\n' '$(1)' '$(2)')
 
 .DEFAULT_GOAL := all
-.PHONY: all quick run-quick-tests oracle run help test test-page page run-tests run-oracle long-tests \
+.PHONY: all quick run-quick-tests oracle run help test test-page page run-tests run-oracle run-patch patch long-tests \
         doctest python numpy asan fuzz bench compare compare-cholmod compare-gmsh compare-improve \
         cad-models cad-examples cholmod paper gauntlet generated untangle improve slurm certificates defaults \
         derivatives drift coupling run-fast-tests run-fast-app-tests run-fast-other-tests matrix reproduce mutants \
@@ -145,7 +145,7 @@ run: almesh ## move the circle of section 4.1 and print its table
 
 test: doctest python numpy ## build with warnings as errors and run the tests (LONG=1: the long ones too; installs doctest)
 	tests/mutants/mutants.py --check
-	$(MAKE) $(if $(LONG),long-tests) run-fast-tests run-oracle lessons $(BUILD)/almesh-bench
+	$(MAKE) $(if $(LONG),long-tests) run-fast-tests run-oracle run-patch lessons $(BUILD)/almesh-bench
 	@! find $(BUILD) -name '*.o.log' -size +0 | grep . || { echo 'the compiler warned: see these files'; exit 1; }
 	@tests/house.py
 
@@ -199,6 +199,8 @@ long-tests: $(BUILD)/almesh-tests ##check the tests of many seconds: large decks
 run-oracle: $(BUILD)/almesh
 	tests/oracle/self_test.py
 	tests/oracle/run.py --program $(BUILD)/almesh --quick
+run-patch: $(BUILD)/almesh
+	tests/patch.py --program $(BUILD)/almesh --most 60000 inputs/meshes tests/io/data tests/fuzz/seeds
 APP_TESTS := *tests/app/*,*tests/deck/*,*tests/problem/*,*tests/report/*
 run-fast-tests: run-fast-app-tests run-fast-other-tests
 run-fast-app-tests: $(BUILD)/almesh-tests
@@ -336,6 +338,9 @@ untangle: almesh ##check improve some 200 generated meshes with inverted element
 
 improve: almesh ##check improve all meshes in inputs/ and some by gmsh: none may become worse (ONLY="gmsh cube"; python3-gmsh)
 	$(PYTHON) tests/improve.py $(ONLY)
+
+patch: almesh python ##check meshes of a folder come back the same byte by byte, and moved with other coordinates alone (MESHES=folder)
+	tests/patch.py $(or $(MESHES),inputs tests/io/data tests/fuzz/seeds)
 
 generated: almesh python ##check run a hundred generated cases, twisted, bent, squeezed: a table (ONLY=17,23)
 	$(PYTHON) tests/generated.py --almesh ./almesh $(if $(ONLY),--only $(ONLY))

@@ -93,6 +93,7 @@ TARGETS = [
     Target("certificates", settings=["ELEMENTS=10"]),
     Target("untangle", settings=["ONLY=tri-random"]),
     Target("improve", settings=["ONLY=square"]),
+    Target("patch", settings=["MESHES=tests/io/data"]),
     Target("generated", settings=["ONLY=17"]),
     Target("compare-gmsh", "minutes", ["ONLY=torus"], ["gmsh for Python", "numpy"]),
     Target("compare-improve", "minutes", ["QUICK=1"], ["gmsh for Python", "numpy", "scipy"]),
