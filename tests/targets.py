@@ -71,7 +71,7 @@ TARGETS = [
     Target("long-tests", "minutes"),
     Target("oracle", "minutes", ["DECKS=circle"], ["numpy"]),
     Target("asan", "hours"),
-    Target("mutants", "hours", ["ONLY=snap.cpp"]),
+    Target("mutants", "hours", ["ONLY=polish.cpp"]),
     Target("fuzz", "minutes", ["MINUTES=1", "HARNESSES=deck"], ["clang++"]),
     Target("matrix", "hours", ["ONLY=g++-O2"]),
     Target("reproduce", "minutes", ["QUICK=1"]),

@@ -19,7 +19,7 @@
 // the time; more of them would save steps, but little time.
 //
 // How: Newton's method (newton.hpp) for the local functional, without damping, with as many of the Hessian's negative
-// eigenvalues as the assembled matrix allows (eigenvalue_filtering.hpp). The steps of a local minimisation are in turn
+// eigenvalues as the assembled matrix allows (step_control.hpp). The steps of a local minimisation are in turn
 // limited by few of its nodes: if a local step gained less than ten times what its nodes could reach alone, a
 // minimisation over at most a tenth of them follows, chosen in the same way. That takes a sixth of the time of the
 // local steps, and halves their number. It is left out if the nodes are few from the beginning.

@@ -60,7 +60,7 @@ void round_as_file(const Problem& problem, std::vector<double>& x);
 void examine(const ProblemOptions& options, const Problem& problem, Solution& solution);
 
 // Of a solution with its certificates; kind none where it converged and is certified, and where nothing held it up.
-// Each status has its own kind (method/status.cpp).
+// Each status has its own kind (method/status.hpp).
 Diagnosis diagnose(const ProblemOptions& options, const Problem& problem, const Solution& solution);
 
 }  // namespace almesh
