@@ -41,9 +41,9 @@ bool is_derivative(const std::string& name) {
 
 // What a run may write, but for deck.txt and the mesh so far.
 bool is_result(const std::string& name) {
-    constexpr std::array<std::string_view, 16> results = {
-        "final.msh", "final.su2", "final-mesh.vtk", "initial.vtk", "final.vtk", "boundary.vtk", "stop.vtk",
-        "summary.txt", "quality.csv", "expectations.csv", "moved-nodes.csv", "invalid.csv", "iterates.vtk.series", "A.mtx", "b.mtx", sweep_row};
+    constexpr std::array<std::string_view, 14> results = {
+        "final.msh", "final.su2", "final-mesh.vtk", "initial.vtk", "final.vtk", "boundary.vtk", "stop.vtk", sweep_row,
+        "summary.txt", "quality.csv", "expectations.csv", "moved-nodes.csv", "invalid.csv", "iterates.vtk.series"};
     return is_of_frame(name) || is_derivative(name) || (name.starts_with("iterate-") && name.ends_with(".vtk")) ||
            std::find(results.begin(), results.end(), name) != results.end();
 }
