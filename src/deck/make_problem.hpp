@@ -19,13 +19,13 @@ Problem make_problem(const Deck& deck);
 void assign_boundaries(const Deck& deck, Mesh& mesh, std::vector<std::string>& notes);
 void move_target(const Deck& deck, Problem& problem);
 
-// In all files of a run: a hash of the settings, wherever the results go, on however many threads, and in however many
-// pieces, and of the files that the deck names; those of frames are read when their time comes. The same run again has
-// the same. known: of files by their paths; "" or no row: not yet.
+// In all files of a run, but not in a mesh that is the user's file: a hash of the settings, wherever the results go, on
+// however many threads, and in however many pieces, and of the files that the deck names; those of frames are read when
+// their time comes. The same run again has the same. known: of files by their paths; "" or no row: not yet.
 using FileHashes = std::map<std::string, std::string>;
 std::string run_id(Deck deck, FileHashes& known);
 
-// The run's id, and in the comment of meshes that are written, is that of this deck.
+// The run's id, and the comment of meshes that are written anew, become those of this deck.
 void identify(const Deck& deck, Problem& problem);
 
 // Where there are more than ten, writes them all to invalid.csv in the folder, which is made if it is missing; "": to
