@@ -18,10 +18,10 @@ SRC = ROOT / "src"
 
 # Rooms, each of which includes only itself and those above it.
 ROOMS = {
-    "base": 1580, "linalg": 4904, "mesh": 4329, "geometry": 2014, "energy": 3374, "constraint": 4119, "method": 2924,
-    "check": 2665, "io": 2670, "problem": 4252, "deck": 1623, "report": 1877, "app": 1419,
+    "base": 1580, "linalg": 4904, "mesh": 4339, "geometry": 2014, "energy": 3374, "constraint": 4119, "method": 2924,
+    "check": 2665, "io": 4008, "problem": 4252, "deck": 1623, "report": 1885, "app": 1419,
 }
-MOST = {"src/ without lessons and examples": 38315, "src/examples": 900, "src/lessons": 6000, "README.md": 180,
+MOST = {"src/ without lessons and examples": 39268, "src/examples": 900, "src/lessons": 6000, "README.md": 180,
         "Newton::minimise()": 30, "include depth": 8, "a file": 490, "includes beyond the line": 14}
 # topic: most files, most lines, the files: both of `name.*` where there are two.
 TOPICS = {

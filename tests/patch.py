@@ -19,10 +19,11 @@ import sys
 import tempfile
 from pathlib import Path
 
-ENDINGS = {".msh": ".msh", ".su2": ".su2", ".vtk": "-mesh.vtk"}  # of a file, and of the final mesh behind `final`
+ENDINGS = {ending: ending for ending in (".msh", ".su2", ".inp")} | {".vtk": "-mesh.vtk"}  # of final meshes
 # Where nodes begin and end; the numbers behind are what may differ.
 NODES = {".msh": (rb"\$(?:Nodes|ParametricNodes|NOD)\s", rb"\$(?:EndNodes|EndParametricNodes|ENDNOD)"),
          ".su2": (rb"NPOIN\s*=", rb"(?:\n\s*[A-Z_]+\s*=|\Z)"),
+         ".inp": (rb"(?mi)^[ \t]*\*NODE[ \t]*(?:,[^\n]*)?\n", rb"(?m)^[ \t]*\*[A-Za-z]"),
          ".vtk": (rb"\nPOINTS\s", rb"\n\s*(?:CELLS|CELL_TYPES|FIELD|METADATA|POINT_DATA|CELL_DATA)\s")}
 NUMBER = rb"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d+)?"
 

@@ -52,20 +52,20 @@ void check_improve(const Deck& deck) {
 }  // namespace
 
 std::vector<FileFormat> final_formats(FinalFormat wanted, const Mesh& mesh) {
-    const FileFormat su2 = {FileFormat::Kind::su2};
+    const FileFormat su2 = {".su2"};
     const FileFormat input = mesh.file.can_be_patched() ? mesh.file.format : written_anew(mesh.file.format);
-    const FileFormat msh = input.kind == FileFormat::Kind::msh ? input : FileFormat();
+    const FileFormat msh = input.ending == ".msh" ? input : FileFormat();
     if (wanted == FinalFormat::input) return {input};
     if (wanted == FinalFormat::msh) return {msh};
     if (wanted == FinalFormat::su2) return {su2};
     if (wanted == FinalFormat::both) return {msh, su2};
     const int place = static_cast<int>(wanted) - static_cast<int>(FinalFormat::msh22);
     constexpr int versions[] = {22, 41};
-    return {{FileFormat::Kind::msh, versions[place / 2], place % 2 == 1}};
+    return {{".msh", versions[place / 2], place % 2 == 1}};
 }
 
 std::string curved_su2(const Deck& deck, const Mesh& mesh) {
-    if (mesh.degree == 1 || final_formats(deck.final_format, mesh).back().kind != FileFormat::Kind::su2) return "";
+    if (mesh.degree == 1 || final_formats(deck.final_format, mesh).back().ending != ".su2") return "";
     return concat("final.su2 has elements of degree ", mesh.degree,
                   ", which of SU2 only the high-order solver reads; final = msh writes final.msh");
 }

@@ -9,6 +9,7 @@
 #include "base/files.hpp"
 #include "io/msh.hpp"
 #include "io/foreign_cells.hpp"
+#include "io/foreign_formats.hpp"
 #include "io/su2.hpp"
 #include "io/vtk.hpp"
 #include "mesh/build.hpp"
@@ -17,7 +18,7 @@ namespace almesh {
 
 struct MeshFormat {
     std::string_view name;    // for messages
-    std::string_view ending;  // of file names: ".msh"
+    std::string_view ending;  // of file names; no two rows have the same
     bool (*recognise)(std::string_view text);  // by its first lines
     RawMesh (*parse)(std::string_view text, const std::string& path);  // throws InputError "path:line: message"
     bool may_be_binary = false;
@@ -26,7 +27,8 @@ struct MeshFormat {
 inline constexpr MeshFormat mesh_formats[] = {
     {"Gmsh MSH 1, 2.2, 4.0 and 4.1, ASCII or binary", ".msh", looks_like_msh, parse_msh, true},
     {"SU2", ".su2", looks_like_su2, parse_su2},
-    {"legacy VTK", ".vtk", looks_like_vtk, parse_vtk, true}};
+    {"legacy VTK", ".vtk", looks_like_vtk, parse_vtk, true},
+    {"Abaqus and CalculiX", ".inp", looks_like_inp, parse_inp}};
 
 // The format that recognises the text, or else has the file's ending. Throws InputError where there is none.
 inline const MeshFormat& find_format(std::span<const MeshFormat> formats, std::string_view text,
@@ -47,28 +49,26 @@ inline RawMesh parse_mesh(std::string_view text, const std::string& path) {
     const MeshFormat& format = find_format(mesh_formats, text, path);
     if (!format.may_be_binary) check_is_text(text, path);
     RawMesh mesh = format.parse(text, path);
+    mesh.format.ending = format.ending;
+    complete_serendipity(mesh);
     simplify_cells(mesh);
     return mesh;
 }
 
 // Of a mesh that was read in a format and has other nodes now: the one to write it in.
 inline FileFormat written_anew(const FileFormat& format) {
-    return format.kind == FileFormat::Kind::su2 ? format : written_msh(format);
+    return format.ending == ".su2" ? format : written_msh(format);
 }
 
 // Of the names of final meshes, which are not those of the VTK files of results.
 inline std::string ending_of_final(const FileFormat& format) {
-    switch (format.kind) {
-        case FileFormat::Kind::msh: return ".msh";
-        case FileFormat::Kind::su2: return ".su2";
-        default: return "-mesh.vtk";
-    }
+    return (format.ending == ".vtk" ? "-mesh" : "") + std::string(format.ending);
 }
 
 // "MSH 4.1, binary".
 inline std::string to_string(const FileFormat& format) {
-    if (format.kind == FileFormat::Kind::su2) return "SU2";
-    if (format.kind == FileFormat::Kind::vtk) return "legacy VTK";
+    for (const MeshFormat& row : mesh_formats)
+        if (format.ending == row.ending && format.ending != ".msh") return std::string(row.name);
     return concat("MSH ", format.msh_version / 10, ".", format.msh_version % 10,
                   format.binary ? ", binary" : ", ASCII");
 }

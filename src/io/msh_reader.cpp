@@ -30,8 +30,7 @@ struct MshReader {
         if (mesh.elements.empty()) in.fail("there is no $Elements section");
         if (in.binary) mesh.coordinates.form = CoordinateFields::Form::float64;
         mesh.coordinates.order = in.order;
-        complete_serendipity(mesh);
-        mesh.format = {FileFormat::Kind::msh, in.version, in.binary};
+        mesh.format = {".msh", in.version, in.binary};
         return std::move(mesh);
     }
 

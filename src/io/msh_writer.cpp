@@ -192,8 +192,8 @@ void write_msh(const std::string& path, const Mesh& mesh, const std::vector<doub
 }
 
 FileFormat written_msh(const FileFormat& format) {
-    if (format.kind != FileFormat::Kind::msh) return {};
-    return {format.kind, format.msh_version < 40 ? 22 : 41, format.binary};
+    if (format.ending != ".msh") return {};
+    return {format.ending, format.msh_version < 40 ? 22 : 41, format.binary};
 }
 
 }  // namespace almesh

@@ -280,7 +280,7 @@ RawMesh parse_su2(std::string_view text, const std::string& path) {
     const std::string plain = without_comments(text);
     Su2Reader reader{TextScanner(plain, path)};
     reader.mesh.path = path;
-    reader.mesh.format.kind = FileFormat::Kind::su2;
+    reader.mesh.format.ending = ".su2";
     return reader.read();
 }
 

@@ -50,7 +50,7 @@ struct Su2Writer {
     void fill_markers() {
         const auto name_of = [&](int tag) { return group_name(mesh.file.groups, mesh.dim - 1, tag); };
         for (const PhysicalGroup& group : mesh.file.groups)
-            if (group.dim == mesh.dim - 1 && mesh.file.format.kind == FileFormat::Kind::su2) marker(group.name);
+            if (group.dim == mesh.dim - 1 && mesh.file.format.ending == ".su2") marker(group.name);
         for (const auto& [cell, first, count, start] : faces_in_file(mesh))
             for (int f = first; f < first + count; ++f)
                 marker(name_of(mesh.file.face_physical[f])).faces.push_back({mesh.file.face_id[f], cell, mesh.face(f)});

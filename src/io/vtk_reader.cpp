@@ -57,7 +57,6 @@ struct VtkReader {
             else if (keyword == "POINT_DATA" || keyword == "CELL_DATA") break;
             else in.fail("expected POINTS, CELLS, CELL_TYPES or FIELD, got ", in_backquotes(keyword));
         }
-        complete_serendipity(mesh);
         if (mesh.nodes.empty() || mesh.elements.empty()) in.fail("there are no POINTS, or no CELLS with CELL_TYPES");
         return mesh;
     }
@@ -190,7 +189,6 @@ RawMesh parse_vtk(std::string_view text, const std::string& path) {
     VtkReader reader{TextScanner(text, path)};
     RawMesh mesh = reader.read();
     mesh.path = path;
-    mesh.format.kind = FileFormat::Kind::vtk;
     return mesh;
 }
 

@@ -318,6 +318,8 @@ void fill_untagged(const BoundaryMatcher& matcher, const std::vector<int>& sides
     std::vector<int> tags;
     for (const PhysicalGroup& group : mesh.file.groups) tags.push_back(group.tag);
     for (const RawElement& element : build.raw.elements) tags.push_back(element.physical);
+    for (const FileEntity& entity : build.raw.entities)
+        if (!entity.physical.empty()) tags.push_back(entity.key.tag);  // else they would be in its groups, too
     UnusedIds<int> unused_tag(std::move(tags));
     constexpr std::size_t most_told = 20;
     std::size_t told = 0;

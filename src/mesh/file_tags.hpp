@@ -5,6 +5,7 @@
 #include <compare>
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -24,8 +25,8 @@ inline std::string group_name(const std::vector<PhysicalGroup>& groups, int dim,
 
 // How a mesh file is written. Of MSH, versions 2.2 and 4.1 are written where the mesh is not that of a file.
 struct FileFormat {
-    enum class Kind { msh, su2, vtk } kind = Kind::msh;
-    int msh_version = 22;  // 10, 22, 40 or 41
+    std::string_view ending = ".msh";  // of names of its files, which tells the format (io/mesh_format.hpp)
+    int msh_version = 22;              // 10, 22, 40 or 41
     bool binary = false;
 
     bool operator==(const FileFormat&) const = default;
@@ -38,7 +39,7 @@ struct CoordinateFields {
     std::endian order = std::endian::little;  // of binary numbers
     int dim = 3;                              // coordinates that the file has of a node
     int width = 0;                            // columns of a number of text; 0: up to a blank, comma, bracket, line end
-    std::vector<std::size_t> first{};         // byte of coordinate a of node i at [dim * i + a]; empty: not known
+    std::vector<std::size_t> first{};  // byte of coordinate a of node i at [dim * i + a]; empty: not known
 };
 
 // An elementary entity of the geometry, a point, curve, surface or volume, by its dimension and tag.

@@ -132,7 +132,7 @@ std::string write_mesh_in(FileFormat format, const Deck& deck, const Problem& pr
         format = written_anew(format);
     }
     const std::string anew = path + ending_of_final(format);
-    if (format.kind == FileFormat::Kind::su2) write_su2(anew, mesh, positions);
+    if (format.ending == ".su2") write_su2(anew, mesh, positions);
     else write_msh(anew, mesh, positions, format);
     return anew;
 }

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "deck/deck.hpp"
+#include "io/mesh_format.hpp"
 #include "report/frame_table.hpp"
 #include "deck/frame_times.hpp"
 #include "deck/so_far.hpp"
@@ -26,13 +27,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
+bool is_ending_of_mesh(std::string_view ending) {
+    return std::any_of(std::begin(mesh_formats), std::end(mesh_formats), [&](const MeshFormat& format) {
+        return ending == format.ending || ending == ending_of_final({format.ending});
+    });
+}
+
 // frame-0001.msh, frame-0001-1.msh, and what is told of all of them.
 bool is_of_frame(const std::string& name) {
-    const std::string ending = name.substr(std::min(name.find_first_not_of("-0123456789", 6), name.size()));
+    const std::string ending = name.substr(std::min(name.find_last_of("0123456789") + 1, name.size()));
     return name == "frames.csv" || name == "frames.vtk.series" || name == "history.csv" || name == frames_state ||
            name == frames_log ||
-           (name.starts_with("frame-") && (ending == ".msh" || ending == ".su2" || ending == ".vtk" ||
-                                           ending == "mesh.vtk" || ending == "velocity.csv" || ending == "swept.csv"));
+           (name.starts_with("frame-") && (is_ending_of_mesh(ending) || ending == "-velocity.csv" ||
+                                           ending == "-swept.csv"));
 }
 
 bool is_derivative(const std::string& name) {
@@ -41,10 +48,11 @@ bool is_derivative(const std::string& name) {
 
 // What a run may write, but for deck.txt and the mesh so far.
 bool is_result(const std::string& name) {
-    constexpr std::array<std::string_view, 14> results = {
-        "final.msh", "final.su2", "final-mesh.vtk", "initial.vtk", "final.vtk", "boundary.vtk", "stop.vtk", sweep_row,
+    constexpr std::array<std::string_view, 11> results = {
+        "initial.vtk", "final.vtk", "boundary.vtk", "stop.vtk", sweep_row,
         "summary.txt", "quality.csv", "expectations.csv", "moved-nodes.csv", "invalid.csv", "iterates.vtk.series"};
-    return is_of_frame(name) || is_derivative(name) || (name.starts_with("iterate-") && name.ends_with(".vtk")) ||
+    return (name.starts_with("final") && is_ending_of_mesh(name.substr(5))) || is_of_frame(name) ||
+           is_derivative(name) || (name.starts_with("iterate-") && name.ends_with(".vtk")) ||
            std::find(results.begin(), results.end(), name) != results.end();
 }
 

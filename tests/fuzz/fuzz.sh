@@ -6,7 +6,7 @@ set -u
 program=$1
 minutes=$2
 shift 2
-[ $# -gt 0 ] || set -- deck msh su2 vtk frames rows quality improve run
+[ $# -gt 0 ] || set -- deck msh su2 vtk inp vtu frames rows quality improve run
 memory=${TMPDIR:-/tmp}
 if [ -w /dev/shm ]; then memory=/dev/shm; fi
 found=0

@@ -45,7 +45,8 @@ TEST_CASE("text of no known format is read by the ending of the name, so that th
 TEST_CASE("where neither tells, the formats are listed") {
     CHECK_THROWS_WITH_AS(parse_mesh("solid cube\n", "cube.stl"),
                          "cube.stl: not a mesh file of a known format, by its first lines or its name; readable are: "
-                         "Gmsh MSH 1, 2.2, 4.0 and 4.1, ASCII or binary (*.msh); SU2 (*.su2); legacy VTK (*.vtk)",
+                         "Gmsh MSH 1, 2.2, 4.0 and 4.1, ASCII or binary (*.msh); SU2 (*.su2); legacy VTK (*.vtk); "
+                         "Abaqus and CalculiX (*.inp)",
                          InputError);
     CHECK_THROWS_WITH_AS(find_format(with_points, "solid", "a"), Contains("binary (*.msh); Points (*.pts)"),
                          InputError);
@@ -54,7 +55,7 @@ TEST_CASE("where neither tells, the formats are listed") {
 TEST_CASE("formats have names, and a text format no zero bytes") {
     CHECK(to_string(parse_mesh(triangle, "a.msh").format) == "MSH 2.2, ASCII");
     CHECK(to_string(FileFormat{.msh_version = 41, .binary = true}) == "MSH 4.1, binary");
-    CHECK(to_string(FileFormat{FileFormat::Kind::su2}) == "SU2");
+    CHECK(to_string(FileFormat{".su2"}) == "SU2");
     CHECK_THROWS_WITH_AS(parse_mesh(std::string("NDIME= 2\n\0", 10), "a.su2"),
                          "cannot read a.su2: it is binary; save it as text (ASCII)", InputError);
 }
