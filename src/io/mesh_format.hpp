@@ -28,7 +28,8 @@ inline constexpr MeshFormat mesh_formats[] = {
     {"Gmsh MSH 1, 2.2, 4.0 and 4.1, ASCII or binary", ".msh", looks_like_msh, parse_msh, true},
     {"SU2", ".su2", looks_like_su2, parse_su2},
     {"legacy VTK", ".vtk", looks_like_vtk, parse_vtk, true},
-    {"Abaqus and CalculiX", ".inp", looks_like_inp, parse_inp}};
+    {"Abaqus and CalculiX", ".inp", looks_like_inp, parse_inp},
+    {"VTU", ".vtu", looks_like_vtu, parse_vtu, true}};
 
 // The format that recognises the text, or else has the file's ending. Throws InputError where there is none.
 inline const MeshFormat& find_format(std::span<const MeshFormat> formats, std::string_view text,

@@ -64,6 +64,7 @@ struct Patch {
 }  // namespace
 
 std::string patched(std::string_view file, const CoordinateFields& fields, const std::vector<double>& x) {
+    if (fields.rewritten) return fields.rewritten(file, fields, x);
     std::vector<std::size_t> order(fields.first.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     const auto is_before = [&](std::size_t k, std::size_t l) { return fields.first[k] < fields.first[l]; };

@@ -1,43 +1,27 @@
 // The grid of a legacy VTK file: points, cells and their types. What stands behind them, the data, is left out.
 #include <climits>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <map>
-#include <tuple>
 
 #include "base/bytes.hpp"
-#include "io/foreign_cells.hpp"
 #include "io/text_scanner.hpp"
 #include "io/vtk.hpp"
+#include "io/vtk_cells.hpp"
 
 namespace almesh {
 namespace {
 
-struct VtkCell {
-    const CellType* cell = nullptr;
-    int degree = 0;
-    bool is_lagrange = false;
-};
-
-// Of a type with this number of nodes; nullptr: of another kind.
-VtkCell cell_of(int type, int nodes) {
-    for (const CellType& cell : cell_types())
-        for (int degree = 1; degree <= max_degree; ++degree)
-            if (const bool is_lagrange = type > 0 && cell.vtk_types[2] == type;
-                (is_lagrange || (degree < 3 && cell.vtk_types[degree - 1] == type)) && cell.node_count(degree) == nodes)
-                return {&cell, degree, is_lagrange};
-    for (const SerendipityCell& kind : serendipity_cells())
-        if (kind.vtk_type == type && kind.nodes() == nodes) return {kind.cell, 2};
-    return {};
-}
-
 struct VtkReader {
     TextScanner in;
-    bool binary = false;
+    VtkCells cells{};
+    bool binary = false, are_by_offsets = false;
 
     RawMesh read() {
         in.next_line();
-        in.rest_of_line();  // # vtk DataFile Version 3.0
+        const std::string_view version = in.rest_of_line();  // # vtk DataFile Version 3.0
+        are_by_offsets = version.ends_with(" 5.0") || version.ends_with(" 5.1");
+        cells.are_of_vtk_8 = !version.ends_with(" 5.1");
         line();             // the title
         const std::string encoding = line();
         binary = encoding == "BINARY";
@@ -46,14 +30,13 @@ struct VtkReader {
         if (dataset != "DATASET UNSTRUCTURED_GRID")
             in.fail("only DATASET UNSTRUCTURED_GRID is read, got ", in_backquotes(dataset));
         RawMesh mesh;
-        std::vector<int> numbers;  // of each cell its number of nodes, then these
-        long long cells = 0;
         while (in.next_line()) {
             const std::string keyword = word();
             if (keyword == "FIELD") skip_fields();
+            else if (keyword == "METADATA") skip_metadata();
             else if (keyword == "POINTS") points(mesh);
-            else if (keyword == "CELLS") numbers = cell_numbers(cells);
-            else if (keyword == "CELL_TYPES") types(numbers, cells, mesh);
+            else if (keyword == "CELLS") are_by_offsets ? cells_by_offsets() : cells_with_counts();
+            else if (keyword == "CELL_TYPES") types(mesh);
             else if (keyword == "POINT_DATA" || keyword == "CELL_DATA") break;
             else in.fail("expected POINTS, CELLS, CELL_TYPES or FIELD, got ", in_backquotes(keyword));
         }
@@ -87,7 +70,9 @@ struct VtkReader {
     }
 
     double real(bool is_float) {
-        return !binary ? in.real("a coordinate") : is_float ? next_in_binary<float>() : next_in_binary<double>();
+        if (binary) return is_float ? next_in_binary<float>() : next_in_binary<double>();
+        if (!in.next_line()) in.fail("the file is cut off");
+        return in.real("a coordinate");
     }
 
     int integer(const char* what) {
@@ -127,57 +112,76 @@ struct VtkReader {
         const std::string type = word();
         if (type != "double" && type != "float") in.fail("points of type ", type, ": only double and float are read");
         begin_values();
-        using Form = CoordinateFields::Form;
-        mesh.coordinates = {!binary ? Form::text : type == "float" ? Form::float32 : Form::float64, std::endian::big};
+        if (binary)
+            mesh.coordinates.form = type == "float" ? CoordinateFields::Form::float32 : CoordinateFields::Form::float64;
+        mesh.coordinates.order = std::endian::big;
         for (long long i = 0; i < count; ++i) {
             RawNode node{i + 1, {}, binary ? 0 : in.line};
             for (double& x : node.x) {
                 if (!binary && !in.next_line()) in.fail("the file is cut off");
                 mesh.coordinates.first.push_back(in.at - in.start);
                 x = real(type == "float");
+                if (!std::isfinite(x)) in.fail("point ", i, " has a coordinate that is not finite");
             }
             mesh.nodes.push_back(node);
         }
     }
 
-    std::vector<int> cell_numbers(long long& cells) {
-        cells = in.integer("the number of cells", 1, INT_MAX);
+    // Of each cell its number of nodes, then these.
+    void cells_with_counts() {
+        const long long count = in.integer("the number of cells", 1, INT_MAX);
         const long long size = in.integer("the size of the list of cells", 1, LLONG_MAX);
         if (!binary && size > in.end - in.at) in.fail("the file is cut off");
         begin_values();
-        if (!binary && in.next_line() && *in.at == 'O') in.fail("cells by OFFSETS: save it as version 4.2 or below");
-        std::vector<int> numbers;
-        for (long long k = 0; k < size; ++k) numbers.push_back(integer("the number of a point"));
+        cells.offsets = {0};
+        for (long long k = 0, next = 0; k < size; ++k) {
+            const int number = integer("the number of a point");
+            if (k != next) {
+                cells.connectivity.push_back(number);
+                continue;
+            }
+            if (number < 1) in.fail("a cell of ", number, " nodes");
+            next += number + 1LL;
+            cells.offsets.push_back(cells.offsets.back() + number);
+        }
+        if (cells.offsets.back() > static_cast<long long>(cells.connectivity.size())) cells.offsets.pop_back();
+        if (static_cast<long long>(cells.offsets.size()) <= count)
+            in.fail("the list of cells ends before cell ", cells.offsets.size() - 1);
+    }
+
+    // As of version 5: the sizes of two arrays, offsets and connectivity.
+    void cells_by_offsets() {
+        const long long offsets = in.integer("the number of offsets", 1, INT_MAX);
+        const long long size = in.integer("the size of the list of cells", 1, LLONG_MAX);
+        cells.offsets = array("OFFSETS", offsets);
+        cells.connectivity = array("CONNECTIVITY", size);
+    }
+
+    std::vector<long long> array(const char* name, long long count) {
+        in.rest_of_line();
+        if (!in.next_line() || word() != name) in.fail("expected ", name);
+        const std::string type = word();
+        if (type != "vtktypeint64" && type != "vtktypeint32") in.fail(name, " of type ", in_backquotes(type));
+        if (count > in.end - in.at) in.fail("the file is cut off");
+        begin_values();
+        std::vector<long long> numbers;
+        for (long long k = 0; k < count; ++k)
+            numbers.push_back(binary && type == "vtktypeint64" ? next_in_binary<std::int64_t>() : integer("a number"));
         return numbers;
     }
 
-    void types(const std::vector<int>& numbers, long long cells, RawMesh& mesh) {
-        if (in.integer("the number of types", 0, INT_MAX) != cells) in.fail("not as many types as cells");
+    void types(RawMesh& mesh) {
+        const auto count = static_cast<long long>(cells.offsets.size()) - 1;
+        if (in.integer("the number of types", 0, INT_MAX) != count) in.fail("not as many types as cells");
         begin_values();
-        std::map<std::tuple<const CellType*, int, bool>, std::vector<int>> orders;
-        std::size_t at = 0;
-        for (long long c = 0; c < cells; ++c) {
-            const int type = integer("the type of a cell");
-            const int nodes = at < numbers.size() ? numbers[at] : -1;
-            if (nodes < 1 || numbers.size() - at < static_cast<std::size_t>(nodes) + 1)
-                in.fail("the list of cells ends before cell ", c);
-            const auto [cell, degree, is_lagrange] = cell_of(type, nodes);
-            if (!cell)
-                in.fail("cell ", c, " of type ", type, " with ", nodes, " nodes: only ", readable_cells(), " with all "
-                        "nodes of their degree are read");
-            std::vector<int>& order = orders[{cell, degree, is_lagrange}];
-            if (order.empty()) order = vtk_node_order(*cell, degree, is_lagrange);
-            mesh.elements.push_back(
-                {c + 1, mesh.element_nodes.size(), binary ? 0 : in.line, cell->dim, degree, 0, 0, cell});
-            mesh.element_nodes.resize(mesh.element_nodes.size() + order.size(), -1);
-            for (int k = 0; k < nodes; ++k) {
-                const int node = numbers[at + 1 + k];
-                if (node < 0 || node >= static_cast<int>(mesh.nodes.size()))
-                    in.fail("cell ", c, " has the point ", node, ", of ", mesh.nodes.size());
-                mesh.element_nodes[mesh.elements.back().first + order[k]] = node;
-            }
-            at += nodes + 1;
-        }
+        for (long long c = 0; c < count; ++c) cells.types.push_back(integer("the type of a cell"));
+        append_vtk_cells(cells, concat(in.path, ":", binary ? "" : concat(in.line, ":"), " "), binary ? 0 : in.line, mesh);
+    }
+
+    // Up to an empty line, as VTK does.
+    void skip_metadata() {
+        in.rest_of_line();
+        while (in.at != in.end && !line().empty()) {}
     }
 };
 

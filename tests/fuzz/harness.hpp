@@ -17,6 +17,7 @@ void fuzz_msh(std::string_view bytes);
 void fuzz_su2(std::string_view bytes);
 void fuzz_vtk(std::string_view bytes);
 void fuzz_inp(std::string_view bytes);
+void fuzz_vtu(std::string_view bytes);
 
 // Any file is a list of frames, or rows of nodes and their vectors, or refused in a sentence.
 void fuzz_frames(std::string_view bytes);
@@ -42,6 +43,7 @@ inline constexpr Harness harnesses[] = {{"deck", fuzz_deck},
                                         {"su2", fuzz_su2},
                                         {"vtk", fuzz_vtk},
                                         {"inp", fuzz_inp},
+                                        {"vtu", fuzz_vtu},
                                         {"frames", fuzz_frames},
                                         {"rows", fuzz_rows},
                                         {"quality", fuzz_quality},

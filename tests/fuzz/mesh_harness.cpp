@@ -119,6 +119,7 @@ void fuzz_format(std::string_view bytes, const std::string& ending) {
 void fuzz_msh(std::string_view bytes) { fuzz_format(bytes, ".msh"); }
 void fuzz_vtk(std::string_view bytes) { fuzz_format(bytes, ".vtk"); }
 void fuzz_inp(std::string_view bytes) { fuzz_format(bytes, ".inp"); }
+void fuzz_vtu(std::string_view bytes) { fuzz_format(bytes, ".vtu"); }
 
 void fuzz_su2(std::string_view bytes) {
     const auto mesh = mesh_or_refusal([&] { return parse_su2(bytes, "fuzz.su2"); });

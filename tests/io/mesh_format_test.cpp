@@ -46,7 +46,7 @@ TEST_CASE("where neither tells, the formats are listed") {
     CHECK_THROWS_WITH_AS(parse_mesh("solid cube\n", "cube.stl"),
                          "cube.stl: not a mesh file of a known format, by its first lines or its name; readable are: "
                          "Gmsh MSH 1, 2.2, 4.0 and 4.1, ASCII or binary (*.msh); SU2 (*.su2); legacy VTK (*.vtk); "
-                         "Abaqus and CalculiX (*.inp)",
+                         "Abaqus and CalculiX (*.inp); VTU (*.vtu)",
                          InputError);
     CHECK_THROWS_WITH_AS(find_format(with_points, "solid", "a"), Contains("binary (*.msh); Points (*.pts)"),
                          InputError);

@@ -102,7 +102,7 @@ TEST_CASE("patch: the two zeros, and numbers below the range, keep their charact
 
 TEST_CASE("patch: numbers in columns are as exact as their width lets them be, and have a point") {
     const std::string text = "id      1.0  2.5D+00-1.00D+00\n";
-    const CoordinateFields fields{CoordinateFields::Form::text, std::endian::little, 3, 9, {2, 11, 20}};
+    const CoordinateFields fields{CoordinateFields::Form::text, std::endian::little, 3, 9, nullptr, {2, 11, 20}};
     CHECK(patched(text, fields, {1, 2.5, -1}) == text);
     const std::vector<double> x = {-1.0 / 3, 7, 1e-7 / 3}, rounded = rounded_as(fields, x);
     CHECK(rounds(fields));
