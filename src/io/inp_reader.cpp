@@ -105,6 +105,7 @@ struct InpReader {
     std::set<int> shells{};                           // numbers of elements
     int largest_id = 0;                               // of nodes and elements
     bool includes_nodes = false;
+    int longest = 0;                                  // characters of a coordinate
     int left_out = 3;                                 // first coordinate that some node does not have
 
     RawMesh read(std::string_view text, const std::string& path) {
@@ -124,6 +125,9 @@ struct InpReader {
         if (std::all_of(mesh.groups.begin(), mesh.groups.end(), [dim](const auto& group) { return group.dim == dim; }))
             groups.add_sides(by_nodes(), file_nodes);
         groups.finish();
+        constexpr int most = 20;  // characters of a number that both programs read
+        if (longest <= most) mesh.coordinates.most = most;
+        else mesh.notes.push_back("coordinates have more than 20 characters, of which Abaqus and CalculiX read the first");
         if (includes_nodes || left_out < dim) {
             mesh.coordinates.first.clear();
             mesh.notes.push_back(includes_nodes ? "its nodes are in included files, which are not written again: give "
@@ -281,6 +285,7 @@ struct InpReader {
             const auto value = field.empty() ? 0.0 : fortran_real(field);
             if (!value) file.fail("expected a coordinate, got ", in_backquotes(field));
             node.x[a] = *value;
+            longest = std::max(longest, static_cast<int>(field.size()));
             if (field.empty()) left_out = std::min(left_out, static_cast<int>(a));
             else mesh.coordinates.first[3 * index + a] = field.data() - file.text.data();
         }

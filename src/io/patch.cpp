@@ -9,6 +9,7 @@
 #include "base/decimal.hpp"
 #include "base/files.hpp"
 #include "base/index.hpp"
+#include "base/text.hpp"
 
 namespace almesh {
 namespace {
@@ -37,6 +38,14 @@ std::string in_columns(double value, int width) {
     }
 }
 
+std::string in_text(double value, const CoordinateFields& fields) {
+    if (fields.width > 0) return in_columns(value, fields.width);
+    std::string text;
+    append(text, value);
+    if (fields.most == 0 || static_cast<int>(text.size()) <= fields.most) return text;
+    return std::string(trim(in_columns(value, fields.most)));
+}
+
 struct Patch {
     std::string_view file;
     const CoordinateFields& fields;
@@ -56,8 +65,7 @@ struct Patch {
             return append_bytes(text, static_cast<float>(x[k]), fields.order);
         const std::string_view here = file.substr(first, end_of(first) - first);
         if (number_in(here) == x[k]) text += here;
-        else if (fields.width > 0) text += in_columns(x[k], fields.width);
-        else append(text, x[k]);
+        else text += in_text(x[k], fields);
     }
 };
 
@@ -83,7 +91,7 @@ std::string patched(std::string_view file, const CoordinateFields& fields, const
 
 std::vector<double> rounded_as(const CoordinateFields& fields, std::vector<double> x) {
     for (std::size_t k = 0; k < fields.first.size() && rounds(fields); ++k)
-        x[k] = fields.width > 0 ? number_in(in_columns(x[k], fields.width)) : static_cast<float>(x[k]);
+        x[k] = fields.form == CoordinateFields::Form::text ? number_in(in_text(x[k], fields)) : static_cast<float>(x[k]);
     return x;
 }
 

@@ -58,7 +58,7 @@ void number_nodes(MeshBuild& build) {
     const RawMesh& raw = build.raw;
     Mesh& mesh = build.mesh;
     const CoordinateFields& all = raw.coordinates;
-    CoordinateFields& fields = mesh.file.coordinates = {all.form, all.order, mesh.dim, all.width, all.rewritten};
+    CoordinateFields& fields = mesh.file.coordinates = {all.form, all.order, mesh.dim, all.width, all.most, all.rewritten};
     build.node.assign(raw.nodes.size(), -1);
     for (int i : build.elements)
         for (int k = 0; k < raw.elements[i].node_count(); ++k)

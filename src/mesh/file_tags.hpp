@@ -39,6 +39,7 @@ struct CoordinateFields {
     std::endian order = std::endian::little;  // of binary numbers
     int dim = 3;                              // coordinates that the file has of a node
     int width = 0;                            // columns of a number of text; 0: up to a blank, comma, bracket, line end
+    int most = 0;                             // characters of a free number that its readers take; 0: all
     // If not null, how the file is rewritten whose coordinates are in a block with a coding, where `first` counts.
     std::string (*rewritten)(std::string_view file, CoordinateFields fields, const std::vector<double>& x) = nullptr;
     std::vector<std::size_t> first{};  // byte of coordinate a of node i at [dim * i + a]; empty: not known

@@ -102,7 +102,7 @@ TEST_CASE("patch: the two zeros, and numbers below the range, keep their charact
 
 TEST_CASE("patch: numbers in columns are as exact as their width lets them be, and have a point") {
     const std::string text = "id      1.0  2.5D+00-1.00D+00\n";
-    const CoordinateFields fields{CoordinateFields::Form::text, std::endian::little, 3, 9, nullptr, {2, 11, 20}};
+    const CoordinateFields fields{CoordinateFields::Form::text, std::endian::little, 3, 9, 0, nullptr, {2, 11, 20}};
     CHECK(patched(text, fields, {1, 2.5, -1}) == text);
     const std::vector<double> x = {-1.0 / 3, 7, 1e-7 / 3}, rounded = rounded_as(fields, x);
     CHECK(rounds(fields));
@@ -113,4 +113,18 @@ TEST_CASE("patch: numbers in columns are as exact as their width lets them be, a
     CHECK(moved.size() == text.size());
     CHECK(moved.starts_with("id-0.333333       7."));
     CHECK(moved == patched(text, fields, rounded));
+}
+
+TEST_CASE("patch: a number of a file for CalculiX has at most the 20 characters that it reads") {
+    const std::string text = "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT,TYPE=C3D4\n1,1,2,3,4\n";
+    const RawMesh raw = parse_mesh(text, "a.inp");
+    std::vector<double> x(12, 0);
+    x[3] = -1.2345678901234567e-05, x[4] = 1.234567890123456e-10, x[5] = 0.1;
+    const std::vector<double> rounded = rounded_as(raw.coordinates, x);
+    const std::string moved = patched(text, raw.coordinates, x);
+    CHECK(moved.find("\n2,-1.2345678901235E-05,1.23456789012346E-10,0.1\n") != moved.npos);
+    const RawMesh again = parse_mesh(moved, "a.inp");
+    for (int k = 0; k < 12; ++k) CHECK(again.nodes[k / 3].x[k % 3] == rounded[k]);
+    const std::string longer = text.substr(0, 8) + "0.0000000000000000000000" + text.substr(9);
+    CHECK(parse_mesh(longer, "a.inp").notes.size() == 1);
 }
