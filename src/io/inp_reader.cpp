@@ -127,7 +127,7 @@ struct InpReader {
         groups.finish();
         constexpr int most = 20;  // characters of a number that both programs read
         if (longest <= most) mesh.coordinates.most = most;
-        else mesh.notes.push_back("coordinates have more than 20 characters, of which Abaqus and CalculiX read the first");
+        else mesh.notes.push_back("coordinates have more than 20 characters: Abaqus and CalculiX read the first ones");
         if (includes_nodes || left_out < dim) {
             mesh.coordinates.first.clear();
             mesh.notes.push_back(includes_nodes ? "its nodes are in included files, which are not written again: give "
@@ -250,7 +250,7 @@ struct InpReader {
             for (const std::string_view field : fields) range.push_back(number(field, "a number", file));
             if (range.size() == 2) range.push_back(1);
             if (range.size() != 3 || range[2] < 1) file.fail("expected FIRST, LAST, STEP");
-            const bool is_huge = (range[1] - range[0]) / range[2] > 10'000'000;  // as in 1, 999999999: all that is there
+            const bool is_huge = (range[1] - range[0]) / range[2] > 10'000'000;  // as 1, 999999999: all that is there
             for (long long id = range[0]; id <= (is_huge ? std::min(range[1], largest_id) : range[1]); id += range[2])
                 of.ids.push_back(static_cast<int>(id));
             return;

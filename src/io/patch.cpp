@@ -91,7 +91,8 @@ std::string patched(std::string_view file, const CoordinateFields& fields, const
 
 std::vector<double> rounded_as(const CoordinateFields& fields, std::vector<double> x) {
     for (std::size_t k = 0; k < fields.first.size() && rounds(fields); ++k)
-        x[k] = fields.form == CoordinateFields::Form::text ? number_in(in_text(x[k], fields)) : static_cast<float>(x[k]);
+        x[k] = fields.form == CoordinateFields::Form::text ? number_in(in_text(x[k], fields))
+                                                           : static_cast<float>(x[k]);
     return x;
 }
 

@@ -10,13 +10,13 @@ namespace almesh {
 
 // The text of the file with the coordinates x, `dim` of each node of the fields in their order. A number whose double
 // is the one that is there keeps its characters; else it is the shortest text that reads back to the same bits, or of
-// fields with a width or with most characters the most digits that fit; in binary files a number of their form and order of bytes. Cost:
-// O(length of the file), in parallel.
+// fields with a width or with most characters the most digits that fit; in binary files a number of their form and
+// order of bytes. Cost: O(length of the file), in parallel.
 std::string patched(std::string_view file, const CoordinateFields& fields, const std::vector<double>& x);
 
 // Whether numbers are rounded to be written so, and to what, which is what will be read back.
 inline bool rounds(const CoordinateFields& fields) {
-    return !fields.first.empty() && (fields.width > 0 || fields.most > 0 || fields.form == CoordinateFields::Form::float32);
+    return !fields.first.empty() && fields.width + fields.most + (fields.form == CoordinateFields::Form::float32) > 0;
 }
 std::vector<double> rounded_as(const CoordinateFields& fields, std::vector<double> x);
 

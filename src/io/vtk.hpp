@@ -49,8 +49,18 @@ void write_vtk(const std::string& path, const VtkGrid& grid, VtkFormat format = 
 // Whether a text begins like a legacy VTK file.
 bool looks_like_vtk(std::string_view text);
 
-// Points and cells of an unstructured grid; ids are VTK's numbers plus one. Throws InputError
-// "path:line: message": other datasets and cells, cells by offsets (version 5), wrong counts, a file that is cut off.
+// Points and cells of an unstructured grid, of versions up to 5.1; ids are VTK's numbers plus one. Throws InputError
+// "path:line: message": other datasets and cells, wrong counts, a file that is cut off.
 RawMesh parse_vtk(std::string_view text, const std::string& path);
+
+// The cells of a legacy or an XML file: cell c has the points connectivity[offsets[c] ... offsets[c + 1]).
+struct VtkCells {
+    std::vector<long long> offsets, connectivity, types;
+    bool are_of_vtk_8 = false;  // Lagrange hexahedra with two edges in another order
+};
+
+// Appends them, once the nodes are there. Throws InputError where numbers are out of range, and for cells of other
+// types all together.
+void append_vtk_cells(const VtkCells& cells, const std::string& path, RawMesh& mesh);
 
 }  // namespace almesh

@@ -1,11 +1,10 @@
-#include "io/vtk_cells.hpp"
-
 #include <map>
 #include <tuple>
 
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "io/foreign_cells.hpp"
+#include "io/vtk.hpp"
 
 namespace almesh {
 namespace {
@@ -30,14 +29,14 @@ VtkCell cell_of(long long type, long long nodes) {
 
 }  // namespace
 
-void append_vtk_cells(const VtkCells& cells, const std::string& where, int line, RawMesh& mesh) {
+void append_vtk_cells(const VtkCells& cells, const std::string& path, RawMesh& mesh) {
     std::map<std::tuple<const CellType*, int, bool>, std::vector<int>> orders;
     std::map<std::pair<long long, long long>, std::size_t> foreign;  // by type and number of nodes
     const auto point_count = static_cast<long long>(mesh.nodes.size());
     for (std::size_t c = 0; c < cells.types.size(); ++c) {
         const long long begin = cells.offsets[c], nodes = cells.offsets[c + 1] - begin;
         if (begin < 0 || nodes < 0 || cells.offsets[c + 1] > static_cast<long long>(cells.connectivity.size()))
-            throw InputError(where, "the list of cells ends before cell ", c);
+            throw InputError(path, ": the list of cells ends before cell ", c);
         const auto [cell, degree, is_lagrange] = cell_of(cells.types[c], nodes);
         if (!cell) {
             ++foreign[{cells.types[c], nodes}];
@@ -47,12 +46,12 @@ void append_vtk_cells(const VtkCells& cells, const std::string& where, int line,
         const bool is_mirrored = is_lagrange && (cells.are_of_vtk_8 || cell != &hexahedron());
         if (order.empty()) order = vtk_node_order(*cell, degree, is_mirrored);
         mesh.elements.push_back(
-            {static_cast<long long>(c) + 1, mesh.element_nodes.size(), line, cell->dim, degree, 0, 0, cell});
+            {static_cast<long long>(c) + 1, mesh.element_nodes.size(), 0, cell->dim, degree, 0, 0, cell});
         mesh.element_nodes.resize(mesh.element_nodes.size() + order.size(), -1);
         for (int k = 0; k < nodes; ++k) {
             const long long node = cells.connectivity[begin + k];
             if (node < 0 || node >= point_count)
-                throw InputError(where, "cell ", c, " has the point ", node, ", of ", point_count);
+                throw InputError(path, ": cell ", c, " has the point ", node, ", of ", point_count);
             mesh.element_nodes[mesh.elements.back().first + order[k]] = static_cast<int>(node);
         }
     }
@@ -60,7 +59,8 @@ void append_vtk_cells(const VtkCells& cells, const std::string& where, int line,
     for (const auto& [kind, count] : foreign)
         text += concat(text.empty() ? "" : "; ", count, " of type ", kind.first, " with ", kind.second, " nodes");
     if (!foreign.empty())
-        throw InputError(where, "cells of other kinds, ", text, ": only ", readable_cells(), " with all nodes of their degree are read");
+        throw InputError(path, ": cells of other kinds, ", text, ": only ", readable_cells(), " with all "
+                         "nodes of their degree are read");
 }
 
 }  // namespace almesh

@@ -7,7 +7,6 @@
 #include "base/bytes.hpp"
 #include "io/text_scanner.hpp"
 #include "io/vtk.hpp"
-#include "io/vtk_cells.hpp"
 
 namespace almesh {
 namespace {
@@ -175,7 +174,7 @@ struct VtkReader {
         if (in.integer("the number of types", 0, INT_MAX) != count) in.fail("not as many types as cells");
         begin_values();
         for (long long c = 0; c < count; ++c) cells.types.push_back(integer("the type of a cell"));
-        append_vtk_cells(cells, concat(in.path, ":", binary ? "" : concat(in.line, ":"), " "), binary ? 0 : in.line, mesh);
+        append_vtk_cells(cells, in.path, mesh);
     }
 
     // Up to an empty line, as VTK does.

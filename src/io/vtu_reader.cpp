@@ -7,11 +7,11 @@
 #include "base/bytes.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "io/foreign_formats.hpp"
 #include "io/inflate.hpp"
 #include "io/named_groups.hpp"
 #include "io/patch.hpp"
-#include "io/vtk_cells.hpp"
-#include "io/foreign_formats.hpp"
+#include "io/vtk.hpp"
 
 namespace almesh {
 namespace {
@@ -70,7 +70,7 @@ struct VtuReader {
         if (cells.types.empty() || cells.types.size() + 1 != cells.offsets.size())
             fail(array("Cells", "types").tag.name, "there are ", cells.types.size(), " types and ",
                  cells.offsets.size() - 1, " offsets of cells");
-        append_vtk_cells(cells, path + ": ", 0, mesh);
+        append_vtk_cells(cells, path, mesh);
         name_groups(cells.types.size());
         return std::move(mesh);
     }
