@@ -1,24 +1,22 @@
 #include "base/decimal.hpp"
 
-#ifndef __cpp_lib_to_chars
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <string>
 #include <string_view>
-#endif
 
 namespace almesh {
+namespace {
 
 #ifdef __cpp_lib_to_chars
 
-std::from_chars_result read_double(const char* begin, const char* end, double& value) {
+std::from_chars_result read_number(const char* begin, const char* end, double& value) {
     return std::from_chars(begin, end, value);
 }
 
 #else
-
-namespace {
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
@@ -70,11 +68,9 @@ bool has_digit_but_zero(const char* at, const char* end) {
     return false;
 }
 
-}  // namespace
-
 // strtod() takes what the functions above have delimited, and more. Its decimal point is that of the locale, which
 // nothing in the program sets: it is "C".
-std::from_chars_result read_double(const char* begin, const char* end, double& value) {
+std::from_chars_result read_number(const char* begin, const char* end, double& value) {
     const char* const digits = begin != end && *begin == '-' ? begin + 1 : begin;
     const char* const decimal = after_decimal(digits, end);
     const char* const stop = decimal ? decimal : after_named(digits, end);
@@ -87,5 +83,19 @@ std::from_chars_result read_double(const char* begin, const char* end, double& v
 }
 
 #endif
+
+}  // namespace
+
+std::from_chars_result read_double(const char* begin, const char* end, double& value) {
+    constexpr std::ptrdiff_t longest = 8;  // of an exponent
+    const auto [stop, error] = read_number(begin, end, value);
+    const bool is_fortran = error != std::errc::invalid_argument && stop != end && (*stop == 'd' || *stop == 'D');
+    if (!is_fortran && error != std::errc::result_out_of_range) return {stop, error};
+    std::string text(begin, is_fortran ? stop + std::min(end - stop, longest) : stop);
+    if (is_fortran) text[stop - begin] = 'e';
+    const auto [last, error_now] = read_number(text.data(), text.data() + text.size(), value);
+    if (error_now == std::errc::result_out_of_range) value = std::strtod(text.c_str(), nullptr);
+    return {begin + (last - text.data()), error_now};
+}
 
 }  // namespace almesh

@@ -82,9 +82,9 @@ void check_is_text(std::string_view contents, const std::string& path) {
 }
 
 std::string read_text_file(const std::string& path) {
-    std::string text = read_file(path);
+    const std::string text = read_file(path);
     check_is_text(text, path);
-    return text;
+    return std::string(without_mark(text));
 }
 
 void write_file(const std::string& path, std::string_view content) {

@@ -14,7 +14,7 @@ std::string read_file(const std::string& path);
 // Throws InputError where the contents of the file `path` are no text: where there is a zero byte.
 void check_is_text(std::string_view contents, const std::string& path);
 
-// Contents of a text file: both of these.
+// Contents of a text file: both of these; without a byte-order mark.
 std::string read_text_file(const std::string& path);
 
 // Writes a temporary file beside `path` and renames it, so that `path` holds the old contents or the new ones, never

@@ -15,6 +15,7 @@
 namespace almesh {
 
 // Views returned here point into the argument.
+std::string_view without_mark(std::string_view text);  // without the byte-order mark of UTF-8 that it may begin with
 std::string_view trim(std::string_view text);  // without blanks, tabs and line ends at both ends
 std::vector<std::string_view> split(std::string_view text, char separator);  // trimmed pieces, empty ones included
 std::vector<std::string_view> words(std::string_view text);                  // separated by blanks or tabs, none empty

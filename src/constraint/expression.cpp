@@ -13,6 +13,7 @@
 #include <numbers>
 #include <utility>
 
+#include "base/decimal.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/text.hpp"
@@ -202,17 +203,12 @@ struct Parser {
         }
         const std::size_t begin = at;
         if (at < text.size() && std::isalpha(static_cast<unsigned char>(text[at]))) return named();
-        while (at < text.size() && (std::isdigit(static_cast<unsigned char>(text[at])) || text[at] == '.')) ++at;
-        if (at > begin && at < text.size() && (text[at] == 'e' || text[at] == 'E')) {
-            std::size_t end = at + 1;
-            if (end < text.size() && (text[end] == '+' || text[end] == '-')) ++end;
-            const std::size_t digits = end;
-            while (end < text.size() && std::isdigit(static_cast<unsigned char>(text[end]))) ++end;
-            if (end > digits) at = end;
-        }
-        const auto number = parse_double(text.substr(begin, at - begin));
-        if (!number) fail("expected a number, x, y, z, pi, a function or `(`", begin);
-        return [v = *number](const FormulaPoint&) { return v; };
+        const bool has_sign = at < text.size() && text[at] == '-';
+        double number = 0;
+        const auto [stop, error] = read_double(text.data() + at, text.data() + text.size(), number);
+        if (has_sign || error != std::errc()) fail("expected a number, x, y, z, pi, a function or `(`", begin);
+        at = stop - text.data();
+        return [number](const FormulaPoint&) { return number; };
     }
 
     // Behind `table(`, in a formula that may name t.

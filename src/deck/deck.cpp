@@ -253,7 +253,7 @@ Deck parse_deck(std::string_view text, const std::string& path, const std::vecto
     deck.path = path;
     deck.folder = fs::path(path).parent_path().string();
     deck.name = fs::path(path).stem().string();
-    if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+    text = without_mark(text);
     for (const bool constants : {true, false}) {  // a line may name those of the lines after it
         int number = 0;
         for (const std::string_view line : split(text, '\n'))

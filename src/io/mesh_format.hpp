@@ -34,6 +34,7 @@ inline constexpr MeshFormat mesh_formats[] = {
 // The format that recognises the text, or else has the file's ending. Throws InputError where there is none.
 inline const MeshFormat& find_format(std::span<const MeshFormat> formats, std::string_view text,
                                      const std::string& path) {
+    text = without_mark(text);
     for (const MeshFormat& format : formats)
         if (format.recognise(text)) return format;
     std::string readable;

@@ -1,7 +1,6 @@
 #include "io/patch.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <numeric>
 #include <utility>
 
@@ -14,13 +13,12 @@
 namespace almesh {
 namespace {
 
-// The number that a text holds between blanks, also with a plus sign and the exponents of Fortran.
+// The number that a text holds between blanks, also with a plus sign.
 double number_in(std::string_view text) {
-    std::string plain(text.substr(std::min(text.find_first_not_of(" \t+"), text.size())));
-    std::replace_if(plain.begin(), plain.end(), [](char c) { return c == 'd' || c == 'D'; }, 'e');
+    text.remove_prefix(std::min(text.find_first_not_of(" \t+"), text.size()));
     double value = 0;
-    const auto [stop, error] = read_double(plain.data(), plain.data() + plain.size(), value);
-    return error == std::errc::result_out_of_range ? std::strtod(plain.c_str(), nullptr) : value;
+    read_double(text.data(), text.data() + text.size(), value);
+    return value;
 }
 
 // In columns, where a number without a point could be read as one with digits behind it, there is always one.

@@ -255,9 +255,10 @@ struct Su2Reader {
     }
 };
 
-// With blanks in the place of comments, which begin a line or come after a blank or `=`.
+// With blanks in the place of comments, which begin a line or come after a blank or `=`, and of a byte-order mark.
 std::string without_comments(std::string_view text) {
     std::string plain(text);
+    std::fill_n(plain.begin(), text.size() - without_mark(text).size(), ' ');
     for (std::size_t at = plain.find('%'); at != plain.npos; at = plain.find('%', at + 1))
         if (at == 0 || std::string_view(" \t\r\n=").find(plain[at - 1]) < 5)
             std::fill(plain.begin() + at, std::find(plain.begin() + at, plain.end(), '\n'), ' ');

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <optional>
 #include <string>
@@ -29,7 +28,7 @@ struct TextScanner {
     std::string part;  // of a binary file in which `at` is
 
     TextScanner(std::string_view text, const std::string& path_)
-        : at(text.data()), end(text.data() + text.size()), start(text.data()), path(path_) {}
+        : at(without_mark(text).data()), end(text.data() + text.size()), start(text.data()), path(path_) {}
 
     template <class... Parts>
     [[noreturn]] void fail_at(int where, const Parts&... message) const {
@@ -113,8 +112,6 @@ struct TextScanner {
         double value = 0;
         const auto [stop, error] = read_double(begin, end, value);
         check_number(what, stop, error);
-        // read_double() does not distinguish underflow (1e-400, read as 0) from overflow (1e400).
-        if (error == std::errc::result_out_of_range) value = std::strtod(std::string(begin, stop).c_str(), nullptr);
         if (!std::isfinite(value)) fail(what, " ", word(), " is not a finite number");
         at = stop;
         return value;

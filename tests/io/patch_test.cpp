@@ -70,7 +70,12 @@ TEST_CASE("patch: every format, read and written again") {
         for (const auto& entry : std::filesystem::directory_iterator(folder)) {
             const std::string name = entry.path().string();
             const bool is_mesh = name.ends_with(".msh") || name.ends_with(".su2") || name.ends_with(".vtk");
-            if (is_mesh && is_read(name)) check_file(read_file(name), name), ++files;
+            if (!is_mesh || !is_read(name)) continue;
+            ++files;
+            const std::string text = read_file(name);
+            check_file(text, name);
+            if (parse_mesh(text, name).coordinates.form != CoordinateFields::Form::text || has(text, "\r")) continue;
+            check_file("\xEF\xBB\xBF" + with_crlf(text), name + " by another editor");
         }
     CHECK(files > 20);
     check_file(vtk<double>("double"), "double.vtk");
@@ -92,6 +97,25 @@ TEST_CASE("patch: only characters of coordinates change") {
     expected.replace(expected.find("1.000"), 5, "1.125");
     expected.replace(expected.find("7 7"), 1, "0.3333333333333333");
     CHECK(patched(text, raw.coordinates, x) == expected);
+}
+
+TEST_CASE("patch: tabs and the exponents of Fortran, in every text format") {
+    const std::string nodes[] = {"1.0D+00\t0.0d0 0\n", "\t1.25D-01 0.2500E+1\t0.0\n", "0\t0\t-0.0D0\n"};
+    const std::string vtk = "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 3 double\n" +
+                            nodes[0] + nodes[1] + nodes[2] + "CELLS 1 4\n3\t0 1 2\nCELL_TYPES 1\n5\n";
+    const std::string msh = "$MeshFormat\n2.2\t0 8\n$EndMeshFormat\n$Nodes\n3\n1\t" + nodes[0] + "2 " + nodes[1] +
+                            "3 " + nodes[2] + "$EndNodes\n$Elements\n1\n1\t2\t0 1 2 3\n$EndElements\n";
+    const std::string su2 = "% first\nNDIME=\t2\nNELEM= 1\n5\t0 1 2\nNPOIN= 3\n" + nodes[0] + nodes[1] + nodes[2] +
+                            "NMARK= 0\n";
+    for (const std::string& text : {vtk, msh, su2})
+        for (const std::string& by_editor : {text, "\xEF\xBB\xBF" + text, with_crlf(text)}) {
+            const RawMesh raw = parse_mesh(by_editor, "a.mesh");
+            REQUIRE(raw.nodes.size() == 3);
+            CHECK(raw.nodes[0].x[0] == 1);
+            CHECK(raw.nodes[1].x[0] == 0.125);
+            CHECK(raw.nodes[1].x[1] == 2.5);
+            check_file(by_editor, "a.mesh");
+        }
 }
 
 TEST_CASE("patch: the two zeros, and numbers below the range, keep their characters") {

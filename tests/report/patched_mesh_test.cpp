@@ -27,12 +27,6 @@ std::string decorated(std::string text) {
     return text + "$NodeData\n1\n\"T\"\n1\n0\n3\n0\n1\n1\n1 0.5\n$EndNodeData\n\n";
 }
 
-std::string with_crlf(const std::string& text) {
-    std::string other;
-    for (const char c : text) (other += c == '\n' ? "\r" : "") += c;
-    return other;
-}
-
 std::string triangles_in_vtk(const Mesh& mesh, VtkFormat format) {
     const std::vector<double> id(mesh.nodes(), 0.25);
     return vtk_text({"by hand", 2, 1, mesh.x, mesh.elements, 2, {{"T", 1, id}}, {}, {}}, format);

@@ -21,4 +21,10 @@ inline std::vector<std::vector<std::string>> csv_rows(const std::string& text) {
     return rows;
 }
 
+inline std::string with_crlf(const std::string& text) {
+    std::string other;
+    for (const char c : text) (other += c == '\n' ? "\r" : "") += c;
+    return other;
+}
+
 }  // namespace almesh::test
