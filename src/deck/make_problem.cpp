@@ -91,7 +91,7 @@ std::vector<double> volumes_by_size(const Deck& deck, const Problem& problem) {
 std::vector<double> read_positions(const Deck& deck, const std::string& key, const std::string& path,
                                    const Problem& problem) try {
     const Mesh& mesh = problem.mesh();
-    const RawMesh raw = read_mesh(path);
+    const RawMesh raw = read_mesh(path, mesh.file.format);
     std::set<std::vector<long long>> elements;  // their ids, ascending
     for (const RawElement& element : raw.elements) {
         std::vector<long long> ids;

@@ -78,6 +78,14 @@ inline std::string to_string(const FileFormat& format) {
 // The same read from the file.
 inline RawMesh read_mesh(const std::string& path) { return parse_mesh(read_file(path), path); }
 
+// The same with the ids that its nodes and elements have in files of another format.
+inline RawMesh read_mesh(const std::string& path, const FileFormat& numbered_as) {
+    RawMesh mesh = read_mesh(path);
+    for (RawNode& node : mesh.nodes) node.id += numbered_as.first_id() - mesh.format.first_id();
+    for (RawElement& element : mesh.elements) element.id += numbered_as.first_id() - mesh.format.first_id();
+    return mesh;
+}
+
 // As it is in the file, with inverted elements if it has any. notes: what was corrected in it.
 inline Mesh read_as_it_is(const std::string& path, std::vector<std::string>& notes) {
     return build_mesh(read_mesh(path), notes, Folds::keep);

@@ -63,6 +63,7 @@ MshBlocks msh_blocks(const Mesh& mesh, const std::vector<double>& x);
 // Writes the numbers of an MSH file as text or as bytes, least significant first.
 struct MshNumbers {
     FileFormat format;
+    long long shift;  // of ids, which are positive in MSH
 
     void integer(std::string& text, long long value) const {
         if (format.binary) append_bytes(text, static_cast<std::int32_t>(value), std::endian::little);
@@ -73,8 +74,8 @@ struct MshNumbers {
         else append_text(text, value);
     }
     void id(std::string& text, long long value) const {
-        if (format.msh_version == 41) size(text, value);
-        else integer(text, value);
+        if (format.msh_version == 41) size(text, value + shift);
+        else integer(text, value + shift);
     }
     void real(std::string& text, double value) const {
         if (format.binary) append_bytes(text, value, std::endian::little);

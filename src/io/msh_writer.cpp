@@ -15,8 +15,8 @@ struct MshWriter {
     const Mesh& mesh;
     const std::vector<double>& x;
     const FileFormat format;
-    const MshNumbers numbers{format};
     const FileTags& file = mesh.file;
+    const MshNumbers numbers{format, 1 - file.format.first_id()};
     const bool is_4_1 = format.msh_version == 41;
 
     void write() const {
@@ -129,8 +129,8 @@ struct MshWriter {
         numbers.size(text, static_cast<long long>(blocks));
         numbers.size(text, static_cast<long long>(id.size()));
         const auto [least, largest] = std::minmax_element(id.begin(), id.end());
-        numbers.size(text, *least);
-        numbers.size(text, *largest);
+        numbers.id(text, *least);
+        numbers.id(text, *largest);
         numbers.end_record(text);
         sink(text);
     }
@@ -165,7 +165,7 @@ void check_ids_fit(const Mesh& mesh, const FileFormat& format) {
     };
     see(mesh.file.node_id);
     for (const MshCells& cells : msh_cells(mesh)) see(cells.id);
-    if (largest > std::numeric_limits<int>::max())
+    if (largest + 1 - mesh.file.format.first_id() > std::numeric_limits<int>::max())
         throw InputError("id ", largest,
                          " is beyond what binary MSH files before version 4.1 can hold: take final = "
                          "msh41-binary");

@@ -12,7 +12,7 @@ namespace almesh {
 // Whether a text begins like an SU2 mesh: lines KEYWORD= VALUE or comments, up to a keyword of the mesh.
 bool looks_like_su2(std::string_view text);
 
-// Node and element ids are SU2's numbers plus one, those of the next zone after those of one. A marker is a physical
+// Node and element ids are SU2's numbers, from 0, those of the next zone after those of one. A marker is a physical
 // group of its name, "2:wall" where several zones have it; of several zones each is a group "zone-2" of elements, too.
 // The keywords of what the file says besides the mesh are in `sections`. Throws InputError "path:line: message": other element types,
 // numbers out of range, wrong counts, the end of the file before that of a section.

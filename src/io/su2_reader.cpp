@@ -1,6 +1,6 @@
 // KEYWORD= VALUE lines: NDIME, then of each zone, in any order, NELEM, NPOIN and NMARK, each with its rows after it.
-// An element is its VTK type, its nodes, and a number of its own; a point its coordinates and its number, too. What
-// comes after these in a row is not read, and they may be left out. Of degree p the type is greater by 100 (p - 1).
+// An element is its VTK type and its nodes, a point its coordinates. What comes after these in a row, such as a number
+// of its own, is not read: both are numbered by their order. Of degree p the type is greater by 100 (p - 1).
 // IZONE begins a zone where NZONE announces several.
 #include <algorithm>
 #include <map>
@@ -20,6 +20,7 @@ struct Su2Reader {
     int dim = 0, begun = 0;                         // begun: the zone of the last IZONE
     std::vector<std::string> keywords{};            // of this zone
     std::size_t first_node = 0, first_element = 0;  // of this zone
+    long long next_id = 0;                          // of an element; faces, which SU2 does not number, come after all
     int row_line = 0;                               // where the row that is read begins
     std::map<std::pair<const CellType*, int>, std::vector<int>> orders{};  // of nodes, by cell and degree
     std::vector<int> zone_of_group{};
@@ -41,6 +42,8 @@ struct Su2Reader {
         if (begun < mesh.zones && mesh.zones > 1)
             in.fail("NZONE announces ", mesh.zones, " zones, only ", begun, " are there");
         end_zone();
+        for (RawElement& face : mesh.elements)
+            if (face.id < 0) face.id = next_id++;
         name_groups();
         mesh.coordinates.dim = dim;
         return std::move(mesh);
@@ -173,30 +176,16 @@ struct Su2Reader {
     }
 
     void points() {
-        rows("points", count_of("the number of points", 1), [&](int k) {
-            RawNode node{static_cast<long long>(mesh.nodes.size()) + 1, {}, row_line};
+        rows("points", count_of("the number of points", 1), [&](int) {
+            RawNode node{static_cast<long long>(mesh.nodes.size()), {}, row_line};
             for (int a = 0; a < dim; ++a) {
                 go_on(a, dim);
                 mesh.coordinates.first.push_back(in.next_byte());
                 node.x[a] = in.real("a coordinate");
             }
-            check_number(k);
             end_row(dim);
             mesh.nodes.push_back(node);
         });
-    }
-
-    // Of the point, among the whole numbers after its coordinates, where there are any.
-    void check_number(int expected) {
-        bool is_there = false, is_other = false;
-        const char* const rest = in.at;
-        while (!in.at_line_end()) {
-            const char* const begin = in.at;
-            const double number = in.real("the number of the point");
-            if (std::find(begin, in.at, '.') == in.at) (number == expected ? is_there : is_other) = true;
-        }
-        in.at = rest;
-        if (is_other && !is_there) in.fail("points have to be numbered 0, 1, 2, ... in their order");
     }
 
     // Of dimension n; tag: of its zone or marker.
@@ -208,8 +197,7 @@ struct Su2Reader {
             in.fail(cell ? cell->plural : "elements of this type", " (type ", type, ") are not read ",
                     n < dim ? "as faces: only " : "here: only ", readable_cells(n, n), " of degree 1 to 7");
         const std::size_t first = mesh.element_nodes.size();
-        mesh.elements.push_back(
-            {static_cast<long long>(mesh.elements.size()) + 1, first, row_line, n, degree, tag, tag, cell});
+        mesh.elements.push_back({n < dim ? -1 : next_id++, first, row_line, n, degree, tag, tag, cell});
         std::vector<int>& order = orders[{cell, degree}];
         if (order.empty()) order = su2_node_order(*cell, degree);
         const int nodes = static_cast<int>(order.size());

@@ -30,6 +30,7 @@ struct FileFormat {
     bool binary = false;
 
     bool operator==(const FileFormat&) const = default;
+    long long first_id() const { return kind == Kind::su2 ? 0 : 1; }  // of nodes and elements numbered by their order
 };
 
 // Where a file has the coordinates of its nodes, for it to be written again with others (io/patch.hpp).

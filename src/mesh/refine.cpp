@@ -183,15 +183,16 @@ void refine_kept_cells(const Mesh& mesh, const Groups& children, Midpoints& midp
     }
 }
 
-// 1, 2, ...: of faces, elements, kept cells.
+// In the order of faces, elements, kept cells; in SU2, which numbers elements alone, these come first.
 void number_cells(Mesh& mesh) {
-    long long next = 0;
+    long long next = mesh.file.format.first_id();
     const auto number = [&next](std::vector<long long>& ids, int count) {
         ids.resize(count);
-        for (long long& id : ids) id = ++next;
+        for (long long& id : ids) id = next++;
     };
+    if (next == 0) number(mesh.file.element_id, mesh.element_count());
     number(mesh.file.face_id, mesh.face_count());
-    number(mesh.file.element_id, mesh.element_count());
+    if (mesh.file.format.first_id() == 1) number(mesh.file.element_id, mesh.element_count());
     for (KeptCells& kept : mesh.kept) number(kept.id, kept.count());
 }
 

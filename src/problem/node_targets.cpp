@@ -90,7 +90,10 @@ void read_places(const Mesh& mesh, int boundary, const Motion& motion, std::vect
     const MotionStep& step = *file_step(motion);
     const auto nodes = nodes_by_id(mesh, boundary);
     std::vector<char> known;
-    read_node_rows(mesh, step.file, nodes, "on boundary " + mesh.boundaries[boundary], positions, known);
+    std::unordered_map<long long, int> of_file = nodes;  // with `else` one of several boundaries may serve each of them
+    for (int i = 0; i < mesh.nodes() && step.rest; ++i) of_file.try_emplace(mesh.file.node_id[i], i);
+    read_node_rows(mesh, step.file, of_file,
+                   step.rest ? "in the mesh" : "on boundary " + mesh.boundaries[boundary], positions, known);
     for (std::size_t k = 0; k < positions.size() && step.displacement; ++k)
         if (known[k / mesh.dim]) positions[k] += mesh.x[k];
     if (!step.rest)
@@ -259,7 +262,7 @@ NodeTargets read_node_targets(const Mesh& mesh, const std::vector<Motion>& motio
         const MotionStep* const step = file_step(motions[b]);
         if (!step) continue;
         targets.placed.resize(motions.size());
-        if (is_of_mesh(*step)) degree = std::max(degree, degree_of(other[b] = read_mesh(step->file)));
+        if (is_of_mesh(*step)) degree = std::max(degree, degree_of(other[b] = read_mesh(step->file, mesh.file.format)));
     }
     if (degree > mesh.degree) targets.raised = raise_degree(mesh, degree);
     const Mesh& raised = targets.raised ? *targets.raised : mesh;

@@ -117,7 +117,8 @@ TEST_CASE("an SU2 mesh: elements, points and markers, with or without their numb
     CHECK(mesh.x == std::vector<double>{0, 0, 1, 0, 1, 1, 0, 1});
     CHECK(mesh.boundaries == std::vector<std::string>{"wall", "inlet"});
     CHECK(mesh.face_count() == 4);
-    CHECK(mesh.file.node_id == std::vector<long long>{1, 2, 3, 4});
+    CHECK(mesh.file.node_id == std::vector<long long>{0, 1, 2, 3});
+    CHECK(mesh.file.element_id == std::vector<long long>{0, 1});
 }
 
 TEST_CASE("what is written is read again, to the last bit, in 2D and 3D") {
@@ -197,7 +198,8 @@ TEST_CASE("the zones of an SU2 file are one mesh, and one zone where it is writt
     CHECK(mesh.nodes() == 7);
     CHECK(mesh.elements == std::vector<int>{0, 1, 2, 3, 4, 5, 4, 6, 5});
     CHECK(mesh.boundaries == std::vector<std::string>{"1:wall", "inlet", "outlet", "2:wall"});
-    CHECK(mesh.file.node_id == std::vector<long long>{1, 2, 3, 4, 5, 6, 7});
+    CHECK(mesh.file.node_id == std::vector<long long>{0, 1, 2, 3, 4, 5, 6});
+    CHECK(mesh.file.element_id == std::vector<long long>{0, 1, 2});
     CHECK(mesh.file.element_entity == std::vector<int>{1, 2, 2});
     CHECK(mesh.file.sections == std::vector<std::string>{"NZONE", "FFD_NBOX", "NPERIODIC"});
     CHECK(group_name(mesh.file.groups, 2, 2) == "zone-2");
@@ -287,7 +289,6 @@ TEST_CASE("errors of SU2 meshes name the line and what is wrong") {
               "a.su2:4: hexahedra (type 12) are not read here: only triangles and quadrilaterals of degree 1 to 7");
     has_error("5 0 1 2 0", "5 0 1 7 0", "a.su2:4: node 7 is not there: the file has 4");
     has_error("5 0 1 2 0", "5 0 1", "a.su2:4:");
-    has_error("0 1 3\n", "0 1 2\n", "points have to be numbered");
     has_error("1 1\n", "1 nan\n", "a.su2:10:");
     has_error("3 3 0\n", "", "the file is cut off: 1 elements announced, only 0 are there");
     has_error("NMARK= 2\n", "NPOIN= 4\n", "a.su2:12: NPOIN is there twice");
@@ -304,7 +305,6 @@ TEST_CASE("errors of SU2 meshes name the line and what is wrong") {
     has_error("5\t0 2 3\n", "5\n", "a.su2:5: a row of at least 4 numbers has 1 or less, and the next line does not");
     has_error("5 0 1 2 0", "5 0 1", "a.su2:4: a row of at least 4 numbers has 3 or less");
     has_error("0 1 3\n", "0\n", "a.su2:11: a row of at least 2 numbers has 1 or less");
-    has_error("0 1 3\n", "0 1 x\n", "a.su2:11: expected the number of the point, got `x`");
     has_error("5 0 1 2 0", "10 0 1 2 3 0", 
               "a.su2:4: tetrahedra (type 10) are not read here: only triangles and quadrilaterals of degree 1 to 7");
     has_error("5 0 1 2 0", "705 0 1 2 0", "a.su2:4: triangles (type 705) are not read here: only");
@@ -358,6 +358,53 @@ TEST_CASE("a run reads SU2 and writes it, curved elements as those of its high-o
     CHECK(in_su2.x == in_msh.x);
     CHECK(in_su2.elements == in_msh.elements);
     CHECK(in_su2.faces == in_msh.faces);
+}
+
+TEST_CASE("points and elements are numbered by their order, whatever stands at the end of their rows") {
+    CHECK(error_of(square, "0 1 3\n", "0 1 x\n") == "");
+    std::string other = square;
+    for (const auto& [from, to] : {std::pair("0 0 0\n", "0 0 7\n"), {"1 0 1\n", "1 0 9 2.5\n"}, {"0 1 3\n", "0 1 8\n"},
+                                   {"5 0 1 2 0", "5 0 1 2 30"}})
+        other.replace(other.find(from), std::string(from).size(), to);
+    const RawMesh a = parse_su2(square, "a.su2"), b = parse_su2(other, "a.su2");
+    REQUIRE(b.nodes.size() == 4);
+    for (int i = 0; i < 4; ++i) CHECK(b.nodes[i].id == i);
+    CHECK(b.element_nodes == a.element_nodes);
+    // Faces come after the elements, wherever they stand.
+    const RawMesh faces_first = parse_su2(with_others, "a.su2");
+    for (const RawElement& element : faces_first.elements) CHECK((element.id < 2) == (element.dim == 2));
+}
+
+TEST_CASE("node files have SU2's numbers, and its positions go to and from MSH, where ids are greater by 1") {
+    const TemporaryFolder folder;
+    folder.write("a.su2", "NDIME= 2\nNELEM= 4\n9 0 1 4 3\n9 1 2 5 4\n9 3 4 7 6\n9 4 5 8 7\n"
+                          "NPOIN= 9\n0 0\n1 0\n2 0\n0 1\n1 1\n2 1\n0 2\n1 2\n2 2\nNMARK= 2\n"
+                          "MARKER_TAG= bottom\nMARKER_ELEMS= 2\n3 0 1\n3 1 2\n"
+                          "MARKER_TAG= rest\nMARKER_ELEMS= 6\n3 2 5\n3 5 8\n3 8 7\n3 7 6\n3 6 3\n3 3 0\n");
+    folder.write("places.csv", "0,0,-0.1\n1,1,-0.2\n2,2,-0.1\n");
+    const std::string deck = folder.write("a.deck", "mesh = a.su2\nthreads = 1\nvtk = none\nfinal = both\noutput = " +
+                                                        folder.path("out") + "\nboundary bottom = file places.csv\n"
+                                                        "boundary rest = file places.csv else slide\n");
+    const Outcome moved = almesh_with({deck});
+    CAPTURE(moved.error);
+    REQUIRE(moved.code == 0);
+    const RawMesh su2 = read_mesh(folder.path("out/final.su2")), msh = read_mesh(folder.path("out/final.msh"));
+    CHECK(su2.nodes[1].x[1] == -0.2);
+    for (int i = 0; i < 9; ++i) {
+        CHECK(msh.nodes[i].id == i + 1);
+        CHECK(std::equal(msh.nodes[i].x, msh.nodes[i].x + 2, su2.nodes[i].x));
+    }
+    std::filesystem::copy(folder.path("out/final.msh"), folder.path("moved.msh"));
+    std::filesystem::copy(folder.path("out/final.su2"), folder.path("moved.su2"));
+    for (const std::string other : {"moved.msh", "moved.su2"}) {
+        REQUIRE(almesh_with({deck, "final=su2", "boundary bottom=mesh " + folder.path(other),
+                             "boundary rest=mesh " + folder.path(other)}).code == 0);
+        CHECK(read_mesh(folder.path("out/final.su2")).nodes[1].x[1] == -0.2);
+        CHECK(almesh_with({"quality", folder.path("a.su2"), "before=" + folder.path(other)}).error == "");
+        CHECK(almesh_with({deck, "start=" + folder.path(other)}).code == 0);
+    }
+    folder.write("places.csv", "9,0,-0.1\n");
+    CHECK(has(almesh_with({deck}).error, "node 9 is not on boundary"));
 }
 
 TEST_CASE("elements and faces have the numbers that VTK gives their shapes") {

@@ -196,7 +196,7 @@ def read_msh41(sections, binary):
 
 
 def read_su2(text):
-    """Points have the ids 1, 2, ...; elements of markers come after the others."""
+    """Points and elements have the ids 0, 1, ...; elements of markers come after the others."""
     lines = [line.split("%")[0].strip() for line in text.splitlines()]
     names, elements, x, dim, tag, at = {}, [], [], 0, 0, 0
     while at < len(lines):
@@ -216,9 +216,9 @@ def read_su2(text):
             for line in lines[at:at + int(value)]:
                 row = [int(word) for word in line.split()]
                 size = len(reference(*OF_TYPE[SU2_CELLS[row[0]]]))
-                elements.append((len(elements) + 1, SU2_CELLS[row[0]], group, [i + 1 for i in row[1:1 + size]]))
+                elements.append((len(elements), SU2_CELLS[row[0]], group, row[1:1 + size]))
             at += int(value)
-    return Mesh(range(1, len(x) + 1), x, elements, names, True)
+    return Mesh(range(len(x)), x, elements, names, True)
 
 
 def read(path):

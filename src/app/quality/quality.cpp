@@ -28,7 +28,7 @@ std::vector<std::vector<long long>> ids_of(const Mesh& mesh) {
 // Where another file has the nodes of the mesh: node_count x dim. One of a lower degree is raised.
 std::vector<double> positions_before(const std::string& path, const Mesh& mesh) {
     std::vector<std::string> notes;
-    Mesh other = read_as_it_is(path, notes);
+    Mesh other = build_mesh(read_mesh(path, mesh.file.format), notes, Folds::keep);
     if (other.degree < mesh.degree) other = raise_degree(other, mesh.degree);
     if (other.dim != mesh.dim || ids_of(other) != ids_of(mesh))
         throw InputError(path, ": this is not the same mesh as it was before: its elements or their nodes have other "
