@@ -24,8 +24,7 @@
 namespace almesh {
 namespace {
 
-RawMesh read_mesh_file(const Deck& deck, std::string& hash) {
-    std::string text;
+RawMesh read_mesh_file(const Deck& deck, std::string& text, std::string& hash) {
     try {
         text = read_file(deck.mesh);
     } catch (const InputError& error) {
@@ -190,9 +189,9 @@ void move_target(const Deck& deck, Problem& problem) try {
 
 Problem make_problem(const Deck& deck) try {
     check_keys(deck);
-    std::string mesh_hash;
+    std::string mesh_text, mesh_hash;
     std::vector<std::string> notes;
-    BaseMesh base = build_base_mesh(read_mesh_file(deck, mesh_hash), deck.ideal, notes);
+    BaseMesh base = build_base_mesh(read_mesh_file(deck, mesh_text, mesh_hash), deck.ideal, notes);
     if (base.is_own_ideal && deck.ideal == IdealKind::automatic)
         notes.push_back("the straight-sided form of the mesh folds over itself: the curved mesh of the file is the "
                         "ideal mesh (ideal = given)");
@@ -201,6 +200,7 @@ Problem make_problem(const Deck& deck) try {
     problem.mesh_hash = mesh_hash;
     note(problem, curved_su2(deck, problem.mesh()));
     note(problem, set_patched(deck, problem.level->mesh));
+    if (problem.mesh().file.can_be_patched()) problem.mesh_text = std::move(mesh_text);
     check_final_ids(deck, problem.mesh());
     problem.way = way_of(deck, problem);
     if (deck.start == Start::file && deck.frames.empty()) problem.standing = read_standing(deck, problem);

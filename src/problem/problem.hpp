@@ -37,6 +37,7 @@ struct Problem {
     std::shared_ptr<const SlidingSurfaces> sliding;  // null where no boundary slides
     Frame frame;                   // of the run, by the mesh file
     std::string mesh_hash, run_id;  // of a run of a deck (deck/make_problem.hpp)
+    std::string mesh_text;          // its mesh file, where that will be written again with other coordinates
     std::vector<std::string> notes;
 
     const Mesh& shape() const { return raised ? *raised : base; }

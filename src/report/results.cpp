@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "base/version.hpp"
 #include "deck/deck_checks.hpp"
@@ -107,43 +106,18 @@ std::string row_of_series(const std::string& name, double time) {
 
 std::string iterate_name(int number) { return numbered("iterate-", number); }
 
-// The user's own file with these positions, where it is still the one that the run has read.
-std::optional<std::string> patched_file(const Deck& deck, const Problem& problem,
-                                        const std::vector<double>& positions) {
-    std::string why = " has changed since the run began";
-    try {
-        if (const std::string text = read_file(deck.mesh); hash_of(text) == problem.mesh_hash)
-            return patched(text, problem.mesh().file.coordinates, positions);
-    } catch (const InputError& error) {
-        why = concat(" is gone (", error.what(), ")");
-    }
-    std::fprintf(stderr, "note: %s%s: the final mesh is written anew, with what the program knows of it\n",
-                 deck.mesh.c_str(), why.c_str());
-    return std::nullopt;
-}
-
-// In the format of the mesh file its own text; else anew, with the mesh's own nodes. Returns the path.
-std::string write_mesh_in(FileFormat format, const Deck& deck, const Problem& problem,
-                          const std::vector<double>& positions, const std::string& path) {
-    const Mesh& mesh = problem.mesh();
-    if (format == mesh.file.format && mesh.file.can_be_patched()) {
-        const std::string own = path + ending_of_final(format);
-        if (const auto text = patched_file(deck, problem, positions)) return write_file(own, *text), own;
-        format = written_anew(format);
-    }
-    const std::string anew = path + ending_of_final(format);
-    if (format.ending == ".su2") write_su2(anew, mesh, positions);
-    else write_msh(anew, mesh, positions, format);
-    return anew;
-}
-
-// The mesh, in the formats of the key `final`, and its VTK file. Returns the first one.
+// The mesh in the formats of the key `final`, where that is its file's one in that text, and as VTK. Returns the first.
 std::string write_mesh(const Deck& deck, const Problem& problem, const Solution& solution,
                        const std::vector<double>& positions, const std::string& name,
                        const std::vector<VtkArray>& point_data = {}) {
+    const Mesh& mesh = problem.mesh();
     std::string first;
-    for (const FileFormat& format : final_formats(deck.final_format, problem.mesh())) {
-        const std::string path = write_mesh_in(format, deck, problem, positions, deck.output + "/" + name);
+    for (const FileFormat& format : final_formats(deck.final_format, mesh)) {
+        const std::string path = concat(deck.output, "/", name, ending_of_final(format));
+        if (format == mesh.file.format && mesh.file.can_be_patched())
+            write_file(path, patched(problem.mesh_text, mesh.file.coordinates, positions));
+        else if (format.kind == FileFormat::Kind::su2) write_su2(path, mesh, positions);
+        else write_msh(path, mesh, positions, format);
         if (first.empty()) first = path;
     }
     if (deck.vtk != VtkOutput::none)

@@ -165,7 +165,7 @@ TEST_CASE("patched: quadrilaterals of 8 nodes come back with 8, certified with t
           doctest::Approx(*std::min_element(bound.begin(), bound.end())).epsilon(1e-6));
 }
 
-TEST_CASE("patched: a mesh file that has changed since, or is gone, is written anew") {
+TEST_CASE("patched: a mesh file that has changed since, or is gone, comes back as it was read") {
     const RingDeck ring;
     const std::string file = ring.folder.path("ring.msh"), text = decorated(text_of(file));
     for (const bool is_gone : {false, true}) {
@@ -180,8 +180,7 @@ TEST_CASE("patched: a mesh file that has changed since, or is gone, is written a
         CHECK(run(deck, out, hooks) == ExitCode::success);
         std::fclose(out);
         const std::string final_mesh = text_of(ring.output + "/final.msh");
-        CHECK(!has(final_mesh, "$Unknown"));
-        CHECK(has(final_mesh, "$Comments\nalmesh"));
-        CHECK(mesh_of(ring.output + "/final.msh").x == ring_mesh(12, 3, 6).x);
+        CHECK(has(final_mesh, "$Unknown"));
+        CHECK(mesh_of(ring.output + "/final.msh").elements == ring_mesh(12, 3, 6).elements);
     }
 }
