@@ -70,6 +70,8 @@ void number_nodes(MeshBuild& build) {
             ++mesh.file.loose;
             continue;
         }
+        if (!std::all_of(node.x, node.x + 3, [](double x) { return std::isfinite(x); }))
+            build.refuse("node ", node.id, " is at ", position_text(node.x, 3), ", which is no point");
         if (!std::all_of(node.x, node.x + 3, [](double x) { return std::abs(x) <= longest; }))
             build.refuse("node ", node.id, " is at ", position_text(node.x, 3), ", farther than ", longest,
                          ", where volumes are no numbers: take a larger unit of length");

@@ -66,6 +66,18 @@ void check_refused(const RawMesh& raw, const char* message) {
 
 }  // namespace
 
+TEST_CASE("a node without a place is refused by its id, one that no element has is not") {
+    for (const double no_number : {NAN, INFINITY}) {
+        RawMesh raw = square();
+        raw.nodes.push_back({5, {no_number, 0, 0}, 0});
+        std::vector<std::string> notes;
+        CHECK(build_mesh(raw, notes).nodes() == 4);
+        raw.nodes[2].x[1] = no_number;
+        CHECK_THROWS_WITH_AS(build_mesh(raw, notes), Contains("square.msh: node 3 is at (1, "), InputError);
+        CHECK_THROWS_WITH_AS(build_mesh(raw, notes), Contains("which is no point"), InputError);
+    }
+}
+
 TEST_CASE("meshes of every dimension and degree come out with volume 1, ids and tags") {
     for (int dim : {2, 3})
         for (int degree = 1; degree <= (dim == 2 ? 7 : 5); ++degree) {
