@@ -1,10 +1,12 @@
 // The mesh file formats that can be read: one table. A reader of another format is a file that fills a RawMesh, and a
 // row of the table.
 #pragma once
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
 
+#include "base/bytes.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "io/msh.hpp"
@@ -31,12 +33,65 @@ inline constexpr MeshFormat mesh_formats[] = {
     {"Abaqus and CalculiX", ".inp", looks_like_inp, parse_inp},
     {"VTU", ".vtu", looks_like_vtu, parse_vtu, true}};
 
+struct RefusedFormat {
+    std::string_view begin, word;  // the text begins with the one and has the other
+    std::string_view name, advice;
+};
+
+namespace refused {
+
+inline constexpr std::string_view hdf5 = "\x89HDF\r\n\x1a\n", gmsh = "gmsh -3 IN -o OUT.msh",
+                                  cgns = "gmsh -0 IN -format msh41 -o OUT.msh (Gmsh's own builds)",
+                                  meshio = "meshio convert -o gmsh22 IN OUT.msh", exodus = "plot/to_msh.py IN OUT.msh",
+                                  paraview = "ParaView: File, Save Data, as legacy VTK",
+                                  stl = "STL, a surface that has no inside";
+
+}  // namespace refused
+
+// What is not read, and what makes a mesh of it that is. A row comes before those that take all of its kind.
+inline constexpr RefusedFormat refused_formats[] = {
+    {refused::hdf5, "CGNS", "CGNS", refused::cgns},
+    {"", "ADF Database Version", "CGNS", refused::cgns},
+    {refused::hdf5, "ENS_MAA", "MED", refused::meshio},
+    {refused::hdf5, "VTKHDF", "VTKHDF", refused::paraview},
+    {refused::hdf5, "eb_prop1", "Exodus", refused::exodus},
+    {"CDF", "", "Exodus", refused::exodus},
+    {refused::hdf5, "", "HDF5", refused::meshio},
+    {"(", "", "Fluent", "meshio convert -i ansys -o gmsh22 IN OUT.msh"},
+    {"FORMAT", "ensight", "EnSight", refused::paraview},
+    {"C Binary", "", "EnSight", refused::paraview},
+    {"ISO-10303-21", "", "STEP", refused::gmsh},
+    {"", " S      1", "IGES", refused::gmsh},
+    {"", " S0000001", "IGES", refused::gmsh},
+    {"", "CASCADE Topology", "BREP", refused::gmsh},
+    {"", "SetFactory(", "a script of Gmsh", refused::gmsh},
+    {"solid", "facet", refused::stl,
+     "gmsh -3 IN.geo -o OUT.msh, where IN.geo is `Merge \"IN.stl\"; Surface Loop(1) = {1}; Volume(1) = {1};`"},
+    {"ply", "element vertex", "PLY, a surface that has no inside", "meshio convert IN.ply IN.stl, then as of STL"},
+    {"", "\nf ", "OBJ, a surface that has no inside", "meshio convert IN.obj IN.stl, then as of STL"},
+    {"", "BEGIN BULK", "Nastran", refused::meshio},
+    {"", "\nGRID", "Nastran", refused::meshio},
+    {"\x1f\x8b", "", "compressed by gzip", "gunzip"},
+    {"\xff\xfe", "", "text in UTF-16", "iconv -f UTF-16 -t UTF-8 IN > OUT"}};
+
+// Throws InputError where the text begins like one of these; a binary STL has the length that the number of its
+// triangles gives.
+inline void refuse_known(std::string_view text, const std::string& path) {
+    constexpr std::size_t head = 84, triangle = 50;
+    const auto triangles = text.size() < head ? 0 : from_bytes<std::uint32_t>(&text[80], std::endian::little);
+    const bool is_stl = triangles > 0 && text.size() == head + triangle * triangles;
+    for (const auto& [begin, word, name, advice] : refused_formats)
+        if (is_stl ? name == refused::stl : text.starts_with(begin) && text.find(word) != text.npos)
+            throw InputError(path, ": ", name, ", which is not read; what makes a mesh of it that is: ", advice);
+}
+
 // The format that recognises the text, or else has the file's ending. Throws InputError where there is none.
 inline const MeshFormat& find_format(std::span<const MeshFormat> formats, std::string_view text,
                                      const std::string& path) {
     text = without_mark(text);
     for (const MeshFormat& format : formats)
         if (format.recognise(text)) return format;
+    refuse_known(text, path);
     std::string readable;
     for (const MeshFormat& format : formats) {
         if (path.ends_with(format.ending)) return format;

@@ -52,6 +52,43 @@ TEST_CASE("where neither tells, the formats are listed") {
                          InputError);
 }
 
+TEST_CASE("formats that are not read are told by their contents, with what converts them") {
+    const std::string hdf5 = "\x89HDF\r\n\x1a\n....", triangles(84 + 2 * 50, '\2');
+    std::string binary_stl = triangles;
+    binary_stl.replace(80, 4, std::string("\2\0\0\0", 4));
+    std::string nastran = "$ a bracket\nSOL 101\nCEND\nBEGIN BULK\nGRID    1,,0.,0.,0.\n";
+    const std::string iges = std::string(72, ' ') + "S      1\n";
+    const std::string what = "what makes a mesh of it that is: ";
+    struct Sample {
+        std::string text, expected;
+    };
+    for (const auto& [text, expected] : {
+             Sample{hdf5 + "CGNSLibraryVersion", "a: CGNS, which is not read; " + what + "gmsh -0 IN"},
+             {"....@(#)ADF Database Version F02017>", "a: CGNS, which"},
+             {hdf5 + "ENS_MAA", "a: MED, which is not read; " + what + "meshio convert -o gmsh22 IN"},
+             {hdf5 + "VTKHDF", "a: VTKHDF, which is not read; " + what + "ParaView"},
+             {hdf5 + "eb_prop1", "a: Exodus, which is not read; " + what + "plot/to_msh.py IN"},
+             {"CDF\1....", "a: Exodus"}, {hdf5, "a: HDF5"},
+             {"(0 \"Fluent\")\n(2 3)\n", "a: Fluent, which is not read; " + what + "meshio"},
+             {"FORMAT\ntype: ensight gold\n", "a: EnSight"},
+             {"C Binary", "a: EnSight"},
+             {"ISO-10303-21;\nHEADER;", "a: STEP, which is not read; " + what + "gmsh -3 IN"},
+             {iges, "a: IGES"}, {"DBRep_DrawableShape\n\nCASCADE Topology V3", "a: BREP"},
+             {"SetFactory(\"OpenCASCADE\");\nBox(1) = {0,0,0,1,1,1};", "a: a script of Gmsh"},
+             {"solid cube\n facet normal 0 0 1\n", "a: STL, a surface that has no inside"},
+             {binary_stl, "a: STL, a surface"},
+             {"ply\nformat ascii 1.0\nelement vertex 3\n", "a: PLY, a surface"},
+             {"# a cube\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "a: OBJ, a surface"},
+             {nastran, "a: Nastran, which is not read; " + what + "meshio convert -o gmsh22 IN"},
+             {"$\nGRID*   1       0       0.      0.      1.\n", "a: Nastran"},
+             {"\x1f\x8b....", "a: compressed by gzip, which is not read; " + what + "gunzip"},
+             {std::string("\xff\xfe$\0M\0", 6), "a: text in UTF-16"}})
+        CHECK_THROWS_WITH_AS(parse_mesh(text, "a"), Contains(expected.c_str()), InputError);
+    CHECK_THROWS_WITH_AS(parse_mesh("(0 \"Fluent\")\n", "a.msh"), Contains("a.msh: Fluent, which"), InputError);
+    CHECK_THROWS_WITH_AS(parse_mesh(triangles, "a.xyz"), Contains("readable are"), InputError);
+    CHECK(parse_mesh("\xEF\xBB\xBF" + triangle, "a").nodes.size() == 3);
+}
+
 TEST_CASE("formats have names, and a text format no zero bytes") {
     CHECK(to_string(parse_mesh(triangle, "a.msh").format) == "MSH 2.2, ASCII");
     CHECK(to_string(FileFormat{.msh_version = 41, .binary = true}) == "MSH 4.1, binary");
