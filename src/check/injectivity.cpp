@@ -276,9 +276,6 @@ Injectivity certify_injective(const Mesh& mesh, const std::vector<double>& x, co
         return {.reason = concat("the elements around node ", id_in_file(mesh.file.node_id, i), " overlap"),
                 .node = i,
                 .position = centroid(mesh, x, &i, 1)};
-    const auto name_of = [&](int f) {
-        return concat("face ", id_in_file(mesh.file.face_id, f), " of ", mesh.boundaries[mesh.face_boundary[f]]);
-    };
     const auto at_face = [&](const std::string& what, int f, int other) {
         return Injectivity{.reason = what,
                            .face = f,
@@ -287,10 +284,11 @@ Injectivity certify_injective(const Mesh& mesh, const std::vector<double>& x, co
     };
     if (!report.faults.empty()) {
         const int f = report.faults.front().face;
-        return at_face("the boundary overlaps itself at " + name_of(f), f, -1);
+        return at_face("the boundary overlaps itself at " + face_name(mesh, f), f, -1);
     }
     if (const auto [f, other] = report.crossed_before; f >= 0)
-        return at_face(concat(name_of(f), " crosses ", name_of(other), ", in the initial mesh too,"), f, other);
+        return at_face(concat(face_name(mesh, f), " crosses ", face_name(mesh, other), ", in the initial mesh too,"), f,
+                       other);
     if (const auto [e, other] = overlapping_elements(mesh, x, report); e >= 0) {
         const std::vector<long long>& id = mesh.file.element_id;
         const bool is_exact = mesh.degree == 1 && mesh.is_simplicial();

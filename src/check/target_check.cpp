@@ -33,10 +33,9 @@ constexpr double face_work = 1000;        // simple operations that a check of o
 
 double size_of(const Box& box) { return (box.high - box.low)[box.longest_side()]; }
 
-std::string face_name(const Mesh& mesh, int f) {
+std::string name_of(const Mesh& mesh, int f) {
     const Vec<3> centre = centroid(mesh, mesh.x, mesh.face(f), mesh.face_cell(f).vertices);
-    return concat("face ", id_in_file(mesh.file.face_id, f), " of ",
-                  mesh.boundaries[mesh.face_boundary[f]], " at ", position_text(centre.data(), mesh.dim));
+    return concat(face_name(mesh, f), " at ", position_text(centre.data(), mesh.dim));
 }
 
 // Faces that are connected by shared vertices, outer ones or inner ones.
@@ -130,7 +129,7 @@ private:
         return at;
     }
     void add_fault(int f, const std::string& what) {
-        report.faults.push_back({f, face_name(mesh, f) + ": " + what, false});
+        report.faults.push_back({f, name_of(mesh, f) + ": " + what, false});
     }
 
     void find_closed_parts() {
@@ -289,9 +288,9 @@ private:
                 continue;
             }
             report.crossing.push_back({f, g});
-            if (part[f] == part[g]) add_fault(f, what + face_name(mesh, g));
+            if (part[f] == part[g]) add_fault(f, what + name_of(mesh, g));
             else if (named.insert(std::minmax(part[f], part[g])).second)
-                add_fault(f, concat(what, face_name(mesh, g), ": the ", parts[part[f]].is_inner ? "inner" : "closed",
+                add_fault(f, concat(what, name_of(mesh, g), ": the ", parts[part[f]].is_inner ? "inner" : "closed",
                                     " boundary made of ", parts[part[f]].boundaries, " goes through the one made of ",
                                     parts[part[g]].boundaries));
         }

@@ -64,10 +64,18 @@ std::vector<FileFormat> final_formats(FinalFormat wanted, const Mesh& mesh) {
     return {{".msh", versions[place / 2], place % 2 == 1}};
 }
 
-std::string curved_su2(const Deck& deck, const Mesh& mesh) {
-    if (mesh.degree == 1 || final_formats(deck.final_format, mesh).back().ending != ".su2") return "";
-    return concat("final.su2 has elements of degree ", mesh.degree,
-                  ", which of SU2 only the high-order solver reads; final = msh writes final.msh");
+std::string su2_losses(const Deck& deck, const Mesh& mesh) {
+    const FileFormat format = final_formats(deck.final_format, mesh).back();
+    if (format.ending != ".su2") return "";
+    std::string text;
+    if (mesh.degree > 1)
+        text = concat("final.su2 has elements of degree ", mesh.degree,
+                      ", which of SU2 only the high-order solver reads; final = msh writes final.msh");
+    std::size_t unmarked = 0;
+    for (int f = 0; f < mesh.face_count(); ++f) unmarked += !mesh.is_inner(f) && mesh.file.face_physical[f] <= 0;
+    if (unmarked == 0 || (format == mesh.file.format && mesh.file.can_be_patched())) return text;
+    return concat(text, text.empty() ? "" : "; ", counted(unmarked, "face"), " of the boundary ",
+                  unmarked == 1 ? "is" : "are", " in no marker of final.su2, as in no group of the mesh file");
 }
 
 // Before a run rather than after it.

@@ -11,7 +11,7 @@ void check_times(const Deck& deck);  // frames
 void check_keys(const Deck& deck);   // and all else that needs no mesh
 void check_final_ids(const Deck& deck, const Mesh& mesh);  // throws InputError
 
-std::string curved_su2(const Deck& deck, const Mesh& mesh);  // "" or a note
+std::string su2_losses(const Deck& deck, const Mesh& mesh);  // of final.su2: "" or a note
 // If the mesh is not to be written in the format of its file, it leaves the file. "" or a note of what it loses.
 std::string set_patched(const Deck& deck, Mesh& mesh);
 

@@ -198,8 +198,8 @@ Problem make_problem(const Deck& deck) try {
     assign_boundaries(deck, base.mesh, notes);
     Problem problem = begin_problem(deck, std::move(base), std::move(notes));
     problem.mesh_hash = mesh_hash;
-    note(problem, curved_su2(deck, problem.mesh()));
     note(problem, set_patched(deck, problem.level->mesh));
+    note(problem, su2_losses(deck, problem.mesh()));
     if (problem.mesh().file.can_be_patched()) problem.mesh_text = std::move(mesh_text);
     check_final_ids(deck, problem.mesh());
     problem.way = way_of(deck, problem);

@@ -27,7 +27,7 @@ struct MeshFormat {
 };
 
 inline constexpr MeshFormat mesh_formats[] = {
-    {"Gmsh MSH 1, 2.2, 4.0 and 4.1, ASCII or binary", ".msh", looks_like_msh, parse_msh, true},
+    {"Gmsh MSH 1, 2 to 2.2, 4.0 and 4.1, ASCII or binary", ".msh", looks_like_msh, parse_msh, true},
     {"SU2", ".su2", looks_like_su2, parse_su2},
     {"legacy VTK", ".vtk", looks_like_vtk, parse_vtk, true},
     {"Abaqus and CalculiX", ".inp", looks_like_inp, parse_inp},

@@ -34,7 +34,7 @@ struct BlockBuilder {
         std::map<int, Parts> of_entity;
         for (std::size_t k = 0; k < all.size(); ++k)
             for (int c = 0; all[k].dim == dim && c < all[k].count(); ++c) {
-                std::vector<std::vector<int>>& part = of_entity[all[k].entity[c]][all[k].physical[c]];
+                std::vector<std::vector<int>>& part = of_entity[all[k].entity[c]][all[k].physical_of(c)];
                 part.resize(all.size());
                 part[k].push_back(c);
             }
@@ -104,12 +104,15 @@ struct BlockBuilder {
 std::vector<MshCells> msh_cells(const Mesh& mesh) {
     const FileTags& file = mesh.file;
     std::vector<MshCells> all;
+    std::array<bool, 4> is_named_by_entity{};
+    for (const PhysicalGroup& group : file.groups) is_named_by_entity[group.dim] |= group.is_entity;
     const auto append = [&](const CellType& cell, std::span<const int> nodes, std::span<const long long> id,
                             std::span<const int> physical, std::span<const int> entity) {
         if (id.empty()) return;
         const int degree = cell.dim == 0 ? 1 : mesh.degree;
         all.push_back(
-            {cell.dim, cell.msh_types[degree - 1], cell.node_count(degree), nodes, id, physical, entity});
+            {cell.dim, cell.msh_types[degree - 1], cell.node_count(degree), nodes, id,
+             is_named_by_entity[cell.dim] ? std::span<const int>() : physical, entity});
     };
     for (const KeptCells& kept : mesh.kept)
         append(mesh.cell_of(kept), kept.nodes, kept.id, kept.physical, kept.entity);
@@ -131,7 +134,7 @@ MshCopies msh_copies(const Mesh& mesh, const std::vector<MshCells>& all) {
     std::set<std::array<int, 3>> known;  // dimension, entity and group of cells that are there by themselves
     for (const MshCells& cells : all) {
         ids.insert(ids.end(), cells.id.begin(), cells.id.end());
-        for (int c = 0; c < cells.count(); ++c) known.insert({cells.dim, cells.entity[c], cells.physical[c]});
+        for (int c = 0; c < cells.count(); ++c) known.insert({cells.dim, cells.entity[c], cells.physical_of(c)});
     }
     UnusedIds<long long> unused(std::move(ids));
     for (const MshCells& cells : all) {
@@ -139,7 +142,7 @@ MshCopies msh_copies(const Mesh& mesh, const std::vector<MshCells>& all) {
         std::vector<long long> id;
         for (int c = 0; c < cells.count(); ++c) {
             const FileEntity* const own = find_entity(mesh.file.entities, cells.dim, cells.entity[c]);
-            if (!own || own->physical.empty() || own->physical[0] != cells.physical[c]) continue;
+            if (!own || own->physical.empty() || own->physical[0] != cells.physical_of(c)) continue;
             for (const int tag : std::span(own->physical).subspan(1)) {
                 if (known.contains({cells.dim, cells.entity[c], tag})) continue;
                 const std::span<const int> of_cell = cells.nodes_of(c);

@@ -18,8 +18,9 @@ struct MshCells {
     int dim, type, width;        // width: nodes of one cell
     std::span<const int> nodes;  // count x width
     std::span<const long long> id;
-    std::span<const int> physical, entity;
+    std::span<const int> physical, entity;  // physical: empty where entities are the names
 
+    int physical_of(int c) const { return physical.empty() ? 0 : physical[c]; }
     int count() const { return static_cast<int>(id.size()); }
     std::span<const int> nodes_of(int c) const { return nodes.subspan(offset(c, width), width); }
 };

@@ -18,6 +18,7 @@ struct MshReader {
     IdIndex node_index{}, element_index{};
     MshType type{0};  // of the element or block being read
     ForeignMshElements foreign{};
+    bool has_dimensions = true;  // of groups beside their names, which MSH 2.0 may not have: a name is for all then
 
     bool in_blocks() const { return in.version >= 40; }
     int line() const { return in.binary ? 0 : in.line; }
@@ -30,6 +31,7 @@ struct MshReader {
         if (mesh.elements.empty()) in.fail("there is no $Elements section");
         if (in.binary) mesh.coordinates.form = CoordinateFields::Form::float64;
         mesh.coordinates.order = in.order;
+        name_entities();
         mesh.format = {".msh", in.version, in.binary};
         return std::move(mesh);
     }
@@ -59,6 +61,26 @@ struct MshReader {
         static const std::set<std::string> of_mesh = {"$MeshFormat", "$PhysicalNames", "$Entities", "$Comments", "$NOD",
                                                       "$Nodes", "$ParametricNodes", "$Elements", "$ELM"};
         if (!of_mesh.contains(name)) mesh.sections.push_back(name);
+    }
+
+    // Of the elements and their faces, where the file has no physical group of their dimension.
+    void name_entities() {
+        constexpr const char* kinds[] = {"point", "curve", "surface", "volume"};
+        std::array<bool, 4> has_groups{};
+        int top = 0;
+        std::set<std::array<int, 2>> tags, groups;  // dimension and tag
+        for (const RawElement& element : mesh.elements) {
+            if (element.physical) groups.insert({element.dim, element.physical});
+            top = std::max(top, element.dim);
+        }
+        if (!has_dimensions)
+            std::erase_if(mesh.groups, [&](const auto& group) { return !groups.contains({group.dim, group.tag}); });
+        for (const PhysicalGroup& group : mesh.groups) groups.insert({group.dim, group.tag});
+        for (const auto& [dim, tag] : groups) has_groups[dim] = true;
+        for (RawElement& element : mesh.elements)
+            if (!has_groups[element.dim] && element.dim >= std::max(top - 1, 1) && element.entity > 0)
+                tags.insert({element.dim, element.physical = element.entity});
+        for (const auto& [dim, tag] : tags) mesh.groups.push_back({dim, tag, concat(kinds[dim], " ", tag), true});
     }
 
     // Goes to the last line of the section, or the end of the file.
@@ -92,10 +114,10 @@ struct MshReader {
         if (!in.next_line()) in.fail("the file is cut off after $MeshFormat");
         const std::string shown = in.word();
         const double version = in.text().real("the format version");
-        if (version != 2.2 && version != 4.0 && version != 4.1)
+        if (version != 2 && version != 2.1 && version != 2.2 && version != 4.0 && version != 4.1)
             in.fail("format version ", shown,
-                    ": only 1, 2.2, 4.0 and 4.1 are read (gmsh -0 IN.msh -format msh41 -o OUT.msh)");
-        in.version = version == 2.2 ? 22 : version == 4.0 ? 40 : 41;
+                    ": only 1, 2 to 2.2, 4.0 and 4.1 are read (gmsh -0 IN.msh -format msh41 -o OUT.msh)");
+        in.version = version < 4 ? 22 : version == 4.0 ? 40 : 41;
         const bool binary = in.integer("0 (ASCII) or 1 (binary)", 0, 1) == 1;
         const int bytes = in.integer("the size of a number");
         in.end_of_line();
@@ -126,35 +148,42 @@ struct MshReader {
         in.end_of_line();
         for (long long i = 0; i < count; ++i) {
             begin_line("names", i, count);
-            PhysicalGroup group;
-            group.dim = in.small_integer("the dimension of the physical group", 0, 3);
-            group.tag = std::abs(in.small_integer("the tag of the physical group"));
+            const char* const row = in.at;
+            in.small_integer("the dimension of the physical group");
+            const bool has_dimension = in.at_line_end() || *in.at != '"';
+            in.at = row;
+            const int dim = has_dimension ? in.small_integer("the dimension of the physical group", 0, 3) : 0;
+            const int tag = std::abs(in.small_integer("the tag of the physical group"));
             std::string_view name = in.rest_as_name();
             if (name.size() >= 2 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
-            group.name = name;
-            if (name.empty()) in.fail("physical group ", group.tag, " has an empty name");
-            mesh.groups.push_back(std::move(group));
+            if (name.empty()) in.fail("physical group ", tag, " has an empty name");
+            for (int d = dim; d <= (has_dimension ? dim : 3); ++d) mesh.groups.push_back({d, tag, std::string(name)});
+            has_dimensions = has_dimensions && has_dimension;
         }
     }
 
     void entities() {  // MSH 4
         if (!mesh.elements.empty()) in.fail("$Entities after $Elements");
-        long long count[4] = {};
         in.begin_numbers();
+        read_entities(false);
+    }
+
+    void read_entities(bool are_partitioned) {
+        long long count[4] = {};
         for (long long& c : count) c = in.size("the number of entities", 0, LLONG_MAX);
         in.end_of_record();
         for (int dim = 0; dim <= 3; ++dim)
             for (long long i = 0; i < count[dim]; ++i) {
                 begin_record("entities of this dimension", i, count[dim]);
-                mesh.entities.push_back(entity(dim));
+                mesh.entities.push_back(entity(dim, are_partitioned));
             }
-        sort_entities();
+        std::stable_sort(mesh.entities.begin(), mesh.entities.end(),
+                         [](const FileEntity& a, const FileEntity& b) { return a.key < b.key; });
     }
 
     // MSH 4: the pieces of entities that a partition has, with the physical groups of these.
     void partitioned_entities() {
         if (!in_blocks() || !mesh.elements.empty()) in.fail("it belongs into MSH 4, before $Nodes");
-        long long count[4] = {};
         in.begin_numbers();
         in.size("the number of partitions", 0, LLONG_MAX);
         in.end_of_record();
@@ -168,23 +197,11 @@ struct MshReader {
             in.end_of_record();
         }
         begin_record("entities", 0, 1);
-        for (long long& c : count) c = in.size("the number of entities", 0, LLONG_MAX);
-        in.end_of_record();
-        for (int dim = 0; dim <= 3; ++dim)
-            for (long long i = 0; i < count[dim]; ++i) {
-                begin_record("entities of this dimension", i, count[dim]);
-                mesh.entities.push_back(entity(dim, true));
-            }
-        sort_entities();
-    }
-
-    void sort_entities() {
-        std::stable_sort(mesh.entities.begin(), mesh.entities.end(),
-                         [](const FileEntity& a, const FileEntity& b) { return a.key < b.key; });
+        read_entities(true);
     }
 
     // A point has a box from version 4.1 on no more.
-    FileEntity entity(int dim, bool is_partitioned = false) {
+    FileEntity entity(int dim, bool is_partitioned) {
         FileEntity entity{{dim, in.integer("the entity tag")}};
         if (is_partitioned) {
             in.integer("the dimension of the parent");

@@ -34,9 +34,11 @@ struct MshWriter {
     }
 
     void physical_names() const {
-        if (file.groups.empty()) return;
-        std::string text = concat("$PhysicalNames\n", file.groups.size(), "\n");
-        for (const PhysicalGroup& group : file.groups)
+        std::vector<PhysicalGroup> groups = file.groups;
+        std::erase_if(groups, [](const PhysicalGroup& group) { return group.is_entity; });
+        if (groups.empty()) return;
+        std::string text = concat("$PhysicalNames\n", groups.size(), "\n");
+        for (const PhysicalGroup& group : groups)
             text += concat(group.dim, " ", group.tag, " \"", group.name, "\"\n");
         sink(text + "$EndPhysicalNames\n");
     }
@@ -63,7 +65,7 @@ struct MshWriter {
                 numbers.id(part, cells.id[c]);
                 for (const int number : {cells.type, 2})
                     if (!format.binary) numbers.integer(part, number);
-                for (const int tag : {cells.physical[c], cells.entity[c]}) numbers.integer(part, tag);
+                for (const int tag : {cells.physical_of(c), cells.entity[c]}) numbers.integer(part, tag);
                 append_nodes(part, cells.nodes_of(c));
             });
         }

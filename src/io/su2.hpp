@@ -19,8 +19,8 @@ bool looks_like_su2(std::string_view text);
 RawMesh parse_su2(std::string_view text, const std::string& path);
 
 // x: node_count x dim positions. Nodes and elements are numbered from 0 in the mesh's order, in one zone. Markers are
-// those of the file, the boundaries, and the tagged faces inside the mesh; points and curves of tetrahedra, and nodes
-// without an element, have no place in SU2.
+// those of the file, or its groups of faces on the boundary and inside; faces in no group, points and curves of
+// tetrahedra, and nodes without an element have no place in SU2.
 void write_su2(const std::string& path, const Mesh& mesh, const std::vector<double>& x);
 
 }  // namespace almesh

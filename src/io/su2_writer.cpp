@@ -53,7 +53,8 @@ struct Su2Writer {
             if (group.dim == mesh.dim - 1 && mesh.file.format.ending == ".su2") marker(group.name);
         for (const auto& [cell, first, count, start] : faces_in_file(mesh))
             for (int f = first; f < first + count; ++f)
-                marker(name_of(mesh.file.face_physical[f])).faces.push_back({mesh.file.face_id[f], cell, mesh.face(f)});
+                if (const int tag = mesh.file.face_physical[f])
+                    marker(name_of(tag)).faces.push_back({mesh.file.face_id[f], cell, mesh.face(f)});
         for (const KeptFace& face : kept_faces(mesh))
             if (face.physical) marker(name_of(face.physical)).faces.push_back({face.id, face.cell, face.nodes});
         if (mesh.groups_of_faces.empty()) return;

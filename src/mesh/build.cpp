@@ -27,13 +27,14 @@ void group_elements(MeshBuild& build) {
 // repeated: indices into raw.elements, ascending.
 void select(MeshBuild& build, const std::vector<int>& repeated) {
     const RawMesh& raw = build.raw;
-    int dim = 0;
-    for (const RawElement& element : raw.elements) dim = std::max(dim, element.dim);
+    int dim = 0, degree = 0;
+    for (const RawElement& element : raw.elements)
+        if (element.dim > dim) dim = element.dim, degree = element.degree;
     if (dim < 2) build.refuse("the mesh has no elements of dimension 2 or 3");
     const RawElement* first = nullptr;
     for (int i = 0; i < static_cast<int>(raw.elements.size()); ++i) {
         const RawElement& element = raw.elements[i];
-        const bool is_face = element.dim == dim - 1 && element.physical != 0;
+        const bool is_face = element.dim == dim - 1 && (element.physical != 0 || element.degree == degree);
         const bool is_repeated = std::binary_search(repeated.begin(), repeated.end(), i);
         if (is_repeated || (element.dim != dim && !is_face)) {
             build.kept.push_back(i);

@@ -18,12 +18,12 @@ enum class Folds {
     keep  // oriented as in the file, or all reversed where the volume is negative, so that the others count as inverted
 };
 
-// Points, curves of 3D meshes, faces inside the mesh and those without a tag beside others that have one are kept
-// (Mesh::kept). Repaired, each with a line in `notes`: nodes without elements or points (dropped), negatively oriented
-// elements (turned over), repeated tagged faces, curves and untagged faces that are not in the mesh (dropped),
-// a 2D mesh at z != 0. Throws InputError: no elements of dimension 2 or 3, mixed degrees, a surface in
-// space, elements of zero volume, faces of three elements, neighbours that do not share the nodes of their face, and
-// folds unless they are kept. Cost: O(nodes + elements log(elements around a vertex)).
+// Points, curves of 3D meshes and faces inside the mesh are kept (Mesh::kept). Repaired, each with a line in `notes`:
+// elements of negative orientation (turned over), elements that are given again, curves and faces that are not in the
+// mesh (dropped).
+// Throws InputError: no elements of dimension 2 or 3, mixed degrees, a surface in space, elements of zero volume, faces
+// of three elements, neighbours that do not share the nodes of their face, and folds unless they are kept.
+// Cost: O(nodes + elements log(elements around a vertex)).
 Mesh build_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds folds = Folds::refuse);
 
 }  // namespace almesh

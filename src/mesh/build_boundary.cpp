@@ -14,16 +14,15 @@
 #include "base/parallel.hpp"
 #include "linalg/ordering/graph.hpp"
 #include "mesh/sides.hpp"
-#include "mesh/unused_ids.hpp"
 
 namespace almesh {
 namespace {
 
 // What the sides of some vertices amount to.
 struct Matched {
-    std::vector<int> untagged;               // numbers of boundary sides without a tagged face
+    std::vector<std::array<int, 2>> untagged;  // boundary sides in no group, and the face that the file has there or -1
     std::vector<std::array<int, 2>> folded;  // elements on the same side of their common face
-    std::vector<int> inside;                 // tagged faces inside the mesh
+    std::vector<int> inside;                 // faces of the file inside the mesh, and those in no group that fit none
     std::vector<int> loose;                  // tagged faces that are the face of no element
     std::vector<int> repeated;               // elements that have the vertices of one with a lower id
     std::vector<std::array<int, 2>> copies;  // tagged faces on the boundary: that with the lowest id, and another one
@@ -46,7 +45,7 @@ struct BoundaryMatcher {
     const Mesh& mesh = build.mesh;
     const int dim = mesh.dim, most_sides = mesh.most_sides(), first_tagged = mesh.element_count() * most_sides;
     const SideNodes side_nodes{dim, mesh.degree};
-    std::vector<int> side_of_face;  // by tagged face: number of its element's side, -1: dropped
+    std::vector<int> side_of_face;  // by tagged face: number of its element's side, -1: dropped, or in no group
 
     const RawElement& element_of(const Side& side) const { return build.element(side.number / most_sides); }
     const RawElement& tagged_face(const Side& side) const { return build.face(side.number - first_tagged); }
@@ -110,18 +109,17 @@ struct BoundaryMatcher {
                          " share the vertices of a face, but not its other nodes");
     }
 
-    void check_face(const Side& element, const Side& tagged) const {
-        if (tagged.opposite != element.opposite)
-            build.refuse(tagged_face(tagged), "has the vertices of a face of ", name_of(element_of(element)),
-                         ", but in another order around it");
-        if (nodes_of(tagged.number) != nodes_of(element.number))
-            build.refuse(tagged_face(tagged), "has the vertices of a face of ", name_of(element_of(element)),
-                         ", but not its other nodes");
+    // Whether the two have the same nodes, which is refused of faces in a group that do not.
+    bool is_face(const Side& element, const Side& tagged) const {
+        const bool other_order = tagged.opposite != element.opposite;
+        if (!other_order && nodes_of(tagged.number) == nodes_of(element.number)) return true;
+        if (tagged_face(tagged).physical == 0) return false;
+        build.refuse(tagged_face(tagged), "has the vertices of a face of ", name_of(element_of(element)),
+                     other_order ? ", but in another order around it" : ", but not its other nodes");
     }
 
-    // Of sides without a tagged face: tells that some lie on each other, as where parts of a mesh were never joined;
-    // else "".
-    std::string doubled_text(const std::vector<int>& untagged) const {
+    // Of sides in no group: tells that some lie on each other, as where parts of a mesh were never joined; else "".
+    std::string doubled_text(const std::vector<std::array<int, 2>>& untagged) const {
         const auto is_before = [&](int i, int j) {
             const double *const a = point(mesh.x, i, dim), *const b = point(mesh.x, j, dim);
             return std::lexicographical_compare(a, a + dim, b, b + dim);
@@ -131,7 +129,7 @@ struct BoundaryMatcher {
             return std::lexicographical_compare(f.begin(), f.end(), g.begin(), g.end(), is_before);
         };
         std::vector<Vertices> faces;
-        for (const int side : untagged) {
+        for (const auto& [side, face] : untagged) {
             Vertices& v = faces.emplace_back();
             for (int k = 0; k < cell_of(side).vertices; ++k) v.push_back(node_of(side, k));
             std::sort(v.begin(), v.end(), is_before);
@@ -152,8 +150,8 @@ struct BoundaryMatcher {
     }
 
     // "4 boundary faces without a physical curve are the boundary ...".
-    std::string untagged_text(const std::vector<int>& untagged, const std::string& name) const {
-        const int first = *std::min_element(untagged.begin(), untagged.end()), count = cell_of(first).vertices;
+    std::string untagged_text(const std::vector<std::array<int, 2>>& untagged, const std::string& name) const {
+        const int first = (*std::min_element(untagged.begin(), untagged.end()))[0], count = cell_of(first).vertices;
         int vertex[4];
         for (int k = 0; k < count; ++k) vertex[k] = node_of(first, k);
         const std::array<double, 3> mean = centroid(mesh, mesh.x, vertex, count);
@@ -177,18 +175,15 @@ struct BoundaryMatcher {
             for (const Side& s : tagged) found.inside.push_back(s.number - first_tagged);
             if (equal[0].even == equal[1].even)
                 found.folded.push_back({equal[0].number / most_sides, equal[1].number / most_sides});
-        } else if (tagged.empty()) {
-            found.untagged.push_back(equal[0].number);
         } else {
-            const auto id = [this](const Side& s) { return tagged_face(s).id; };
-            const Side& first = *std::min_element(tagged.begin(), tagged.end(), [&](const Side& a, const Side& b) {
-                return id(a) < id(b);
-            });
-            for (const Side& s : tagged) {
-                check_face(equal[0], s);
-                if (id(s) > id(first)) found.copies.push_back({first.number - first_tagged, s.number - first_tagged});
-            }
-            side_of_face[first.number - first_tagged] = equal[0].number;
+            std::vector<int> faces;
+            for (const Side& s : tagged) (is_face(equal[0], s) ? faces : found.inside).push_back(s.number - first_tagged);
+            const auto rank = [this](int f) { return std::pair(build.face(f).physical == 0, build.face(f).id); };
+            std::sort(faces.begin(), faces.end(), [&](int f, int g) { return rank(f) < rank(g); });
+            for (std::size_t k = 1; k < faces.size(); ++k) found.copies.push_back({faces[0], faces[k]});
+            const int face = faces.empty() ? -1 : faces[0];
+            if (face < 0 || build.face(face).physical == 0) found.untagged.push_back({equal[0].number, face});
+            else side_of_face[face] = equal[0].number;
         }
     }
 
@@ -234,7 +229,7 @@ void add_face(const BoundaryMatcher& matcher, int side, int boundary, const RawE
     mesh.face_element.push_back(side / matcher.most_sides);
     mesh.face_boundary.push_back(boundary);
     mesh.file.face_id.push_back(in_file ? in_file->id : 0);
-    mesh.file.face_physical.push_back(in_file ? in_file->physical : 0);
+    mesh.file.face_physical.push_back(in_file ? in_file->physical : not_in_file);
     mesh.file.face_entity.push_back(in_file ? in_file->entity : 0);
 }
 
@@ -272,7 +267,7 @@ void fill_faces(const BoundaryMatcher& matcher, const Matched& matched, const Ra
         if (const auto copies = more.find(f); copies != more.end())
             for (const int copy : copies->second)
                 for (const int tag : tags_of(raw, matcher.build.face(copy), own))
-                    if (std::find(tags.begin(), tags.end(), tag) == tags.end()) tags.push_back(tag);
+                    if (tag && std::find(tags.begin(), tags.end(), tag) == tags.end()) tags.push_back(tag);
         std::sort(tags.begin(), tags.end());
         const auto [boundary, is_new] = boundary_of_tags.try_emplace(tags, -1);
         if (is_new) boundary->second = boundary_of(tags, face.dim, mesh);
@@ -280,47 +275,19 @@ void fill_faces(const BoundaryMatcher& matcher, const Matched& matched, const Ra
     }
 }
 
-// The file's untagged faces by their nodes, ascending, and which vertex is across the lowest one.
-std::map<std::vector<int>, int> untagged_faces(const MeshBuild& build) {
-    std::map<std::vector<int>, int> faces;
-    for (const int i : build.kept) {
-        const RawElement& face = build.raw.elements[i];
-        if (face.dim != build.mesh.dim - 1 || face.degree != build.mesh.degree) continue;
-        std::vector<int> nodes;
-        for (int k = 0; k < face.node_count(); ++k)
-            nodes.push_back(build.node[build.raw.element_nodes[face.first + k]]);
-        const int opposite = Side(std::span(nodes).first(face.cell().vertices), i).opposite;
-        std::sort(nodes.begin(), nodes.end());
-        nodes.push_back(opposite);
-        faces.emplace(std::move(nodes), i);
-    }
-    return faces;
-}
-
 // Boundary faces in no group. Beside others that are in one: a boundary of their own. Where there are no others: their
 // parts that hang together by vertices, numbered by their lowest nodes.
-void fill_untagged(const BoundaryMatcher& matcher, const std::vector<int>& sides, MeshBuild& build,
+void fill_untagged(const BoundaryMatcher& matcher, const std::vector<std::array<int, 2>>& sides, MeshBuild& build,
                    std::vector<const CellType*>& types) {
     Mesh& mesh = build.mesh;
-    const int dim = mesh.dim;
     const bool beside_others = !mesh.faces.empty();
     DisjointSets connected(mesh.nodes());
-    for (const int side : sides)
+    for (const auto& [side, face] : sides)
         for (int k = 1; k < matcher.cell_of(side).vertices; ++k)
             connected.join(matcher.node_of(side, 0), matcher.node_of(side, k));
-    std::map<int, std::vector<int>> parts;  // by lowest node
-    for (const int side : sides) parts[beside_others ? 0 : connected.find(matcher.node_of(side, 0))].push_back(side);
-    std::vector<long long> ids;
-    for (const RawElement& element : build.raw.elements) ids.push_back(element.id);
-    UnusedIds<long long> unused_id(std::move(ids));
-    const std::map<std::vector<int>, int> of_file = untagged_faces(build);
-    std::set<int> taken;
-    std::vector<int> tags;
-    for (const PhysicalGroup& group : mesh.file.groups) tags.push_back(group.tag);
-    for (const RawElement& element : build.raw.elements) tags.push_back(element.physical);
-    for (const FileEntity& entity : build.raw.entities)
-        if (!entity.physical.empty()) tags.push_back(entity.key.tag);  // else they would be in its groups, too
-    UnusedIds<int> unused_tag(std::move(tags));
+    std::map<int, std::vector<std::array<int, 2>>> parts;  // by lowest node
+    for (const auto& side : sides)
+        parts[beside_others ? 0 : connected.find(matcher.node_of(side[0], 0))].push_back(side);
     constexpr std::size_t most_told = 20;
     std::size_t told = 0;
     std::string note;
@@ -328,24 +295,13 @@ void fill_untagged(const BoundaryMatcher& matcher, const std::vector<int>& sides
         std::string name = beside_others ? "untagged" : "boundary";
         if (parts.size() > 1) name += concat("-", mesh.boundaries.size() + 1);
         while (mesh.boundary_index(name) >= 0) name += "-2";
-        const int tag = unused_tag.next(), boundary = add_boundary(mesh, {name});
-        mesh.file.groups.push_back({dim - 1, tag, name});
+        const int boundary = add_boundary(mesh, {name});
         if (++told <= most_told)
             note += concat(note.empty() ? "" : ", ", name, " (", counted(of_part.size(), "face"), ")");
         else if (told == parts.size()) note += concat(" and ", told - most_told, " more");
-        for (const int side : of_part) {
-            std::vector<int> key = matcher.nodes_of(side);
-            key.push_back(matcher.side(side).opposite);
-            const auto found = of_file.find(key);
-            const RawElement* const own = found == of_file.end() ? nullptr : &build.raw.elements[found->second];
-            add_face(matcher, side, boundary, own, mesh, types);
-            if (!own) mesh.file.face_id.back() = unused_id.next();
-            if (!own) mesh.file.face_entity.back() = tag;
-            mesh.file.face_physical.back() = tag;
-            if (own) taken.insert(found->second);
-        }
+        for (const auto& [side, face] : of_part)
+            add_face(matcher, side, boundary, face < 0 ? nullptr : &build.face(face), mesh, types);
     }
-    std::erase_if(build.kept, [&](int i) { return taken.contains(i); });
     build.notes.push_back(beside_others
                               ? matcher.untagged_text(sides, mesh.boundaries.back())
                               : "no tagged boundary faces: the boundary is that of the elements, in parts: " + note);
@@ -375,7 +331,7 @@ std::vector<std::array<int, 2>> fill_boundary(MeshBuild& build) {
     for (const int f : all.inside) build.kept.push_back(build.faces[f]);
     for (const auto [first, copy] : all.copies) build.kept.push_back(build.faces[copy]);
     if (!all.loose.empty())
-        build.notes.push_back(concat(counted(all.loose.size(), "face"), " of physical groups ",
+        build.notes.push_back(concat(counted(all.loose.size(), "face"), " of the file ",
                                      all.loose.size() == 1 ? "is the face" : "are faces", " of no ",
                                      build.mesh.groups.size() > 1 ? "element" : build.mesh.cell().name,
                                      ", the first is ", name_of(build.face(all.loose[0])),

@@ -15,7 +15,7 @@ struct MeshBuild {
     const RawMesh& raw;
     std::vector<std::string>& notes;
     Mesh mesh;
-    std::vector<int> elements, faces;  // elements of the mesh and tagged faces in file order: indices into raw.elements
+    std::vector<int> elements, faces;  // elements and faces of the mesh in file order: indices into raw.elements
     std::vector<int> node;             // node of the mesh by raw node, -1: none
     std::vector<int> kept;             // what else there is: indices into raw.elements
     std::vector<int> repeated{};       // elements that have the vertices of others: indices into raw.elements
@@ -39,8 +39,8 @@ struct MeshBuild {
 std::string name_of(const RawElement& element);  // "element 12 (line 40)", "element 12" of a binary file
 
 // Fills the faces of the mesh, whose nodes and elements are there already. Faces in no group are the boundary
-// `untagged` or, if no face is in a group, `boundary` (`boundary-1`, ... for several connected parts), with the ids and
-// entities of the file's untagged faces. Tagged faces inside the mesh, and repeated ones, go to MeshBuild::kept.
+// `untagged` or, if no face is in a group, `boundary` (`boundary-1`, ... for several connected parts); those that the
+// file does not have get the physical tag not_in_file. Faces inside the mesh, and repeated ones, go to MeshBuild::kept.
 // Returns the pairs of elements that lie on the same side of their common face: none in a valid mesh. If elements are
 // repeated, it only fills MeshBuild::repeated. Throws InputError if faces and elements are inconsistent (see
 // build_mesh()).

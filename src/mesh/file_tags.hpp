@@ -14,6 +14,7 @@ namespace almesh {
 struct PhysicalGroup {
     int dim = 0, tag = 0;
     std::string name;
+    bool is_entity = false;  // no group, but an elementary entity of a file without groups of this dimension
 };
 
 // Of group (dim, tag); "tag 7" where there is none.
@@ -30,7 +31,7 @@ struct FileFormat {
     bool binary = false;
 
     bool operator==(const FileFormat&) const = default;
-    long long first_id() const { return kind == Kind::su2 ? 0 : 1; }  // of nodes and elements numbered by their order
+    long long first_id() const { return ending == ".su2" ? 0 : 1; }  // of nodes and elements numbered by their order
 };
 
 // Where a file has the coordinates of its nodes, for it to be written again with others (io/patch.hpp).
@@ -68,9 +69,9 @@ struct ImpliedNode {
 };
 
 // The cells of one type that a file has besides the elements and the boundary faces of its mesh: points, curves
-// of 3D meshes, faces inside the mesh, faces without a physical group, elements and boundary faces that are given once
-// more, as those of several groups are in MSH 2.2. They move with the mesh and are written again; the method does not
-// see them.
+// of 3D meshes, faces inside the mesh, elements and boundary faces that are given once more, as those of several groups
+// are in MSH 2.2.
+// They move with the mesh and are written again; the method does not see them.
 struct KeptCells {
     std::vector<int> nodes;    // cells x nodes of the mesh's degree, in Gmsh's order
     std::vector<int> element;  // one that has all nodes of the cell; -1: not known, of a point

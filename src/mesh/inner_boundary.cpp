@@ -86,11 +86,8 @@ struct InnerBuilder {
     void find_regions() {
         if (!between_groups) return;
         region.resize(mesh.element_count());
-        const std::vector<GroupCells> groups_of_elements = volume_groups(mesh);
-        for (const GroupCells& group : groups_of_elements)
+        for (const GroupCells& group : volume_groups(mesh))
             for (const int e : group.cells) region[e] += (region[e].empty() ? "" : " + ") + group.name;
-        for (int e = 0; e < mesh.element_count() && groups_of_elements.empty(); ++e)
-            region[e] = "entity " + std::to_string(mesh.file.element_entity[e]);
         for (std::string& name : region)
             if (name.empty()) name = "the rest";
     }

@@ -32,10 +32,10 @@ inline std::vector<ElementGroup> faces_in_file(const Mesh& mesh) {
 }
 
 // Makes boundaries of the faces inside the mesh that belong to the groups, taken out of Mesh::kept, of all sides of
-// the elements of the volumes, and, if wanted, of all sides between elements of different groups, or, where no element
-// has one, of different entities: "between solid and fluid". Sides of volumes that are on another boundary belong to
-// the volume too. Neighbouring faces of an inner boundary are oriented alike. Behind all other faces of their type stand
-// those that the file does not have, with the physical tag not_in_file. Cost: O(elements log elements).
+// the elements of the volumes, and, if wanted, of all sides between elements of different groups: "between solid and
+// fluid". Sides of volumes that are on another boundary belong to the volume too. Neighbouring faces of an inner
+// boundary are oriented alike. Those that the file does not have get the physical tag not_in_file.
+// Cost: O(elements log elements).
 void make_inner_boundaries(Mesh& mesh, const std::vector<std::string>& groups, const std::vector<std::string>& volumes,
                            bool between_groups = false);
 

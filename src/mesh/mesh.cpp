@@ -7,6 +7,7 @@
 #include "base/text.hpp"
 #include "mesh/lagrange.hpp"
 #include "mesh/quadrature.hpp"
+#include "mesh/unused_ids.hpp"
 
 namespace almesh {
 
@@ -59,7 +60,8 @@ std::vector<ElementGroup> groups_of(const std::vector<const CellType*>& types, i
 void group_faces(Mesh& mesh, const std::vector<const CellType*>& types) {
     std::vector<int> order(types.size());
     std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(), [&](int f, int g) { return types[f] < types[g]; });
+    const auto key = [&](int f) { return std::pair(types[f], mesh.file.face_physical[f] == not_in_file); };
+    std::stable_sort(order.begin(), order.end(), [&](int f, int g) { return key(f) < key(g); });
     std::vector<std::size_t> start = {0};
     for (const CellType* const type : types) start.push_back(start.back() + type->node_count(mesh.degree));
     const auto sort = [&order](auto& values) {
@@ -78,6 +80,11 @@ void group_faces(Mesh& mesh, const std::vector<const CellType*>& types) {
                                        &mesh.file.face_entity})
         sort(*of);
     sort(mesh.file.face_id);
+}
+
+std::string face_name(const Mesh& mesh, int f) {
+    const long long id = id_in_file(mesh.file.face_id, f);
+    return concat(id ? concat("face ", id) : "a face", " of ", mesh.boundaries[mesh.face_boundary[f]]);
 }
 
 int add_boundary(Mesh& mesh, const std::vector<std::string>& groups) {

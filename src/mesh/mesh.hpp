@@ -126,8 +126,10 @@ void for_face_nodes(const Mesh& mesh, const Body& body) {
 }
 
 // Where the faces have been appended in this order, with all that there is of each: brings those of one type together,
-// each type in this order.
+// of each type first those that the file has, in this order.
 void group_faces(Mesh& mesh, const std::vector<const CellType*>& types);
+
+std::string face_name(const Mesh& mesh, int f);  // "face 12 of wall", "a face of wall" where the file does not have it
 
 // Appends a boundary with these groups; returns its index.
 int add_boundary(Mesh& mesh, const std::vector<std::string>& groups);

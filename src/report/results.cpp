@@ -116,7 +116,7 @@ std::string write_mesh(const Deck& deck, const Problem& problem, const Solution&
         const std::string path = concat(deck.output, "/", name, ending_of_final(format));
         if (format == mesh.file.format && mesh.file.can_be_patched())
             write_file(path, patched(problem.mesh_text, mesh.file.coordinates, positions));
-        else if (format.kind == FileFormat::Kind::su2) write_su2(path, mesh, positions);
+        else if (format.ending == ".su2") write_su2(path, mesh, positions);
         else write_msh(path, mesh, positions, format);
         if (first.empty()) first = path;
     }

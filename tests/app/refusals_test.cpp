@@ -148,7 +148,7 @@ TEST_CASE("mesh files that cannot be read: code 2, naming the file") {
     check_refused(run_on("$MeshFormat\n4.1 1 8\n$EndMeshFormat\n"), 2,
                   {"ring.msh: $MeshFormat, byte 20", "order of bytes"});
     check_refused(run_on("$MeshFormat\n3.0 0 8\n$EndMeshFormat\n"), 2, {"ring.msh:2", "2.2, 4.0 and 4.1"});
-    check_refused(run_on("solid cube\nfacet normal 0 0 1\n"), 2, {"ring.msh:1", "not a Gmsh mesh file"});
+    check_refused(run_on("solid cube\nfacet normal 0 0 1\n"), 2, {"ring.msh: STL", "gmsh -3"});
 }
 
 TEST_CASE("a unit of length in which the mesh has no volume that is a number") {

@@ -27,7 +27,7 @@ TEST_CASE("numbers are parsed strictly") {
     CHECK(parse_double("+3") == 3.0);
     CHECK(parse_double("5.") == 5.0);
     for (const char* bad : {"",    "+",   "-",   "+-1", "++1",  "1 ",       " 1",    "1x",     "1e",   "0x10",
-                            "1,5", "1d3", "nan", "inf", "-inf", "infinity", "1e400", "1e-400", "auto", "1 2"})
+                            "1,5", "1f3", "nan", "inf", "-inf", "infinity", "1e400", "1e-400", "auto", "1 2"})
         CHECK_MESSAGE(!parse_double(bad), bad);
     CHECK(parse_int("42") == 42);
     CHECK(parse_int("-7") == -7);

@@ -52,7 +52,9 @@ TEST_CASE("errors name the column and what was expected") {
     CHECK(has(error_of("sin x"), "column 5: expected `(`"));
     CHECK(has(error_of("atan2(x)"), "column 8: expected `,`"));
     CHECK(has(error_of("w + 1"), "unknown name `w`"));
-    CHECK(has(error_of("1.2.3"), "column 1: expected a number"));
+    CHECK(has(error_of("1.2.3"), "column 4: expected an operator"));
+    CHECK(has(error_of("1.5D+1 d"), "column 8: expected an operator"));
+    CHECK(has(error_of("2 * .x"), "column 5: expected a number"));
     CHECK(has(error_of(std::string(500, '(')), "nested too deeply"));
     CHECK(has(error_of(std::string(500, '-') + "x"), "nested too deeply"));
 }

@@ -45,7 +45,7 @@ TEST_CASE("text of no known format is read by the ending of the name, so that th
 TEST_CASE("where neither tells, the formats are listed") {
     CHECK_THROWS_WITH_AS(parse_mesh("solid cube\n", "cube.stl"),
                          "cube.stl: not a mesh file of a known format, by its first lines or its name; readable are: "
-                         "Gmsh MSH 1, 2.2, 4.0 and 4.1, ASCII or binary (*.msh); SU2 (*.su2); legacy VTK (*.vtk); "
+                         "Gmsh MSH 1, 2 to 2.2, 4.0 and 4.1, ASCII or binary (*.msh); SU2 (*.su2); legacy VTK (*.vtk); "
                          "Abaqus and CalculiX (*.inp); VTU (*.vtu)",
                          InputError);
     CHECK_THROWS_WITH_AS(find_format(with_points, "solid", "a"), Contains("binary (*.msh); Points (*.pts)"),

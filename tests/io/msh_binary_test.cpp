@@ -290,7 +290,7 @@ TEST_CASE("refusals of a mesh from a binary file name the element without a line
     raw.elements[2].degree = 2;
     std::vector<std::string> notes;
     CHECK_THROWS_WITH_AS(build_mesh(raw, notes),
-                         "a.msh: element 4 has degree 1, element 3 has degree 2: all elements "
+                         "a.msh: element 3 has degree 2, element 2 has degree 1: all elements "
                          "and boundary faces need the same one",
                          InputError);
 }

@@ -131,7 +131,7 @@ TEST_CASE("what is no mesh of version 1, 2.2, 4.0 or 4.1 is refused") {
     check_refused("solid cube\n", "a.msh:1: not a Gmsh mesh file");
     check_refused("\n\n", "not a Gmsh mesh file: there is no $MeshFormat section");
     check_refused(replaced(in_2_2, "2.2 0", "2.2 1"), "a.msh: $MeshFormat, byte 20: expected the number 1 in four");
-    check_refused(replaced(in_2_2, "2.2 0", "3 0"), "a.msh:2: format version `3`: only 1, 2.2, 4.0 and 4.1 are read");
+    check_refused(replaced(in_2_2, "2.2 0", "3 0"), "a.msh:2: format version `3`: only 1, 2 to 2.2, 4.0 and 4.1 are read");
     check_refused(replaced(in_2_2, "2.2 0", "2.2 x"), "a.msh:2: expected 0 (ASCII) or 1 (binary), got `x`");
     check_refused(replaced(in_2_2, "$Nodes", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes"), "a second $MeshFormat");
     check_refused("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n", "there is no $Nodes section");

@@ -56,6 +56,23 @@ TEST_CASE("a partitioned mesh is read, with the groups of its pieces, which are 
     CHECK(other.file.element_physical == std::vector<int>{9, 9});
 }
 
+TEST_CASE("MSH 2, 2.0 and 2.1 are read as 2.2, also with names that have no dimension") {
+    const std::string rest =
+        "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n$EndNodes\n$Elements\n6\n1 1 2 7 1 1 2\n2 1 2 7 1 2 3\n"
+        "3 1 2 8 2 3 4\n4 1 2 8 2 4 1\n5 2 2 7 3 1 2 3\n6 2 2 7 3 1 3 4\n$EndElements\n";
+    for (const std::string version : {"2", "2.0", "2.1", "2.2"})
+        for (const std::string names : {"3\n1 7 \"wall\"\n1 8 \"lid\"\n2 7 \"wall\"\n", "2\n7 \"wall\"\n8 \"lid\"\n"}) {
+            const Mesh mesh = built("$MeshFormat\n" + version + " 0 8\n$EndMeshFormat\n$PhysicalNames\n" + names +
+                                    "$EndPhysicalNames\n" + rest);
+            CHECK(mesh.boundaries == std::vector<std::string>{"wall", "lid"});
+            CHECK(group_name(mesh.file.groups, 2, 7) == "wall");
+            CHECK(to_string(mesh.file.format) == "MSH 2.2, ASCII");
+            CHECK(mesh.file.groups.size() == 3);
+        }
+    CHECK_THROWS_WITH_AS(built("$MeshFormat\n2.3 0 8\n$EndMeshFormat\n" + rest), doctest::Contains("format version `2.3`"),
+                         InputError);
+}
+
 TEST_CASE("MSH 1 is read, and written anew as MSH 2.2") {
     const std::string text =
         "$NOD\n4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n40 0 1 0\n$ENDNOD\n"

@@ -143,7 +143,7 @@ TEST_CASE("solids of SU2 are read in either orientation") {
     text.replace(text.find(from), from.size(), to);
     std::vector<std::string> notes;
     const Mesh mesh = build_mesh(parse_mesh(text, "a.su2"), notes);
-    CHECK(notes == std::vector<std::string>{"1 element with negative orientation turned, the first is element 1"});
+    CHECK(notes == std::vector<std::string>{"1 element with negative orientation turned, the first is element 0"});
     CHECK(certify(mesh, mesh.x).valid);
 }
 

@@ -58,7 +58,7 @@ TEST_CASE("what is no number is shown") {
         TextScanner in(text, path);
         CHECK_THROWS_WITH_AS(in.real("x"), message, InputError);
     };
-    real_error("1.0D+00", "a.txt:1: expected x, got `1.0D+00`");
+    real_error("1.0F+00", "a.txt:1: expected x, got `1.0F+00`");
     real_error("+", "a.txt:1: expected x, got `+`");
     real_error("nan", "a.txt:1: x `nan` is not a finite number");
     real_error("-inf", "a.txt:1: x `-inf` is not a finite number");

@@ -272,7 +272,7 @@ class Check:
             for name in was:
                 if name not in now or (self.refine == 0 and not divided and was[name] != now[name]):
                     self.say(f"group {name} has {now.get(name, 0)} elements, in the file {was[name]}")
-            new = {name for name in set(now) - set(was) if not re.match(r"untagged|boundary", name)}
+            new = {name for name in set(now) - set(was) if not name.startswith("zone-")}
             if new and not self.deck.moves["select"]:
                 self.say(f"groups that the file has not: {sorted(new)}")
         used = {int(i) for b in mesh.blocks for i in b.nodes.ravel()}
