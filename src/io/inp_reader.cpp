@@ -148,8 +148,7 @@ struct InpReader {
 
     void read_lines(File file) {
         open.push_back(std::filesystem::weakly_canonical(file.path).string());
-        std::string_view rest = file.text;
-        if (rest.starts_with(byte_order_mark)) rest.remove_prefix(byte_order_mark.size());
+        std::string_view rest = without_mark(file.text);
         std::string text;  // of a keyword with the lines that continue it
         for (keyword.clear(); !rest.empty();) {
             const std::size_t size = rest.find('\n');
@@ -282,7 +281,7 @@ struct InpReader {
         mesh.coordinates.first.resize(3 * mesh.nodes.size());
         for (std::size_t a = 0; a < 3; ++a) {
             const std::string_view field = a + 1 < fields.size() ? fields[a + 1] : "";
-            const auto value = field.empty() ? 0.0 : fortran_real(field);
+            const auto value = field.empty() ? 0.0 : parse_double(field);
             if (!value) file.fail("expected a coordinate, got ", in_backquotes(field));
             node.x[a] = *value;
             longest = std::max(longest, static_cast<int>(field.size()));
@@ -372,7 +371,6 @@ struct InpReader {
 }  // namespace
 
 bool looks_like_inp(std::string_view text) {
-    if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
     for (const std::string_view line : split(text.substr(0, 20000), '\n'))
         if (!line.empty() && !line.starts_with("**"))
             return line.size() > 1 && line[0] == '*' && std::isalpha(static_cast<unsigned char>(line[1]));

@@ -4,7 +4,6 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -129,17 +128,6 @@ private:
         if (error == std::errc::invalid_argument || !is_word_end(stop)) fail("expected ", what, ", got ", word());
     }
 };
-
-inline constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
-
-// The number that the whole text spells, as Fortran may write it: 1.5D+03, 1.5+3; nothing where it is none.
-inline std::optional<double> fortran_real(std::string_view text) {
-    if (const auto value = parse_double(text)) return value;
-    std::string plain(text);
-    if (const std::size_t letter = plain.find_first_of("dD"); letter != plain.npos) plain[letter] = 'e';
-    else if (const std::size_t sign = plain.find_last_of("+-"); sign != plain.npos && sign > 0) plain.insert(sign, "e");
-    return parse_double(plain);
-}
 
 // Index of an item by its id in a file: a table for ids up to a few times the number of items, a hash table for others.
 class IdIndex {

@@ -46,7 +46,7 @@ const std::string tetrahedron = "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELE
 TEST_CASE("Abaqus in any case, with comments, continued lines, Fortran's exponents and a byte-order mark") {
     const std::string text =
         "\xEF\xBB\xBF** a comment\r\n*Heading\r\n a title, not data\r\n*node , nset = \"All Nodes\"\r\n"
-        " 1 ,\t0.0 , 0. , 0.D+00 ,\r\n2,1.0d0,.0,0,\r\n** among data\r\n3,0,+1.,0\r\n4,0,0,10.-1\r\n"
+        " 1 ,\t0.0 , 0. , 0.D+00 ,\r\n2,1.0d0,.0,0,\r\n** among data\r\n3,0,+1.,0\r\n4,0,0,1.E0\r\n"
         "5,5e-1,0,0\r\n6,.5,.5,0\r\n"
         "7,0,.5,0\r\n8,0,0,.5\r\n9,.5,0,.5\r\n10,0,.5,.5\r\n"
         "*Element, type=c3d10M,\r\n elset=Solid\r\n 4, 1,2,3,4,\r\n 5,6,7,\r\n 8,9,10,\r\n"
