@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <string>
-#include <string_view>
 
 namespace almesh {
 namespace {
@@ -18,68 +19,22 @@ std::from_chars_result read_number(const char* begin, const char* end, double& v
 
 #else
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
-const char* after_digits(const char* at, const char* end) {
-    while (at != end && is_digit(*at)) ++at;
-    return at;
-}
-
-// Behind the word, in letters of either case; nullptr where the text does not begin with it.
-const char* after_word(const char* at, const char* end, std::string_view word) {
-    for (const char letter : word) {
-        if (at == end || std::tolower(static_cast<unsigned char>(*at)) != letter) return nullptr;
-        ++at;
-    }
-    return at;
-}
-
-// Behind "inf", "infinity", "nan" or "nan(letters)", or nullptr.
-const char* after_named(const char* at, const char* end) {
-    if (const char* const stop = after_word(at, end, "infinity")) return stop;
-    if (const char* const stop = after_word(at, end, "inf")) return stop;
-    const char* const nan = after_word(at, end, "nan");
-    if (!nan || nan == end || *nan != '(') return nan;
-    const char* stop = nan + 1;
-    while (stop != end && (std::isalnum(static_cast<unsigned char>(*stop)) || *stop == '_')) ++stop;
-    return stop != end && *stop == ')' ? stop + 1 : nan;
-}
-
-// Behind digits with a point among them or not, and an exponent that has digits; nullptr where there is no digit.
-const char* after_decimal(const char* const begin, const char* end) {
-    const char* stop = after_digits(begin, end);
-    bool any = stop != begin;
-    if (stop != end && *stop == '.') {
-        const char* const fraction = stop + 1;
-        stop = after_digits(fraction, end);
-        any = any || stop != fraction;
-    }
-    if (!any) return nullptr;
-    if (stop == end || (*stop != 'e' && *stop != 'E')) return stop;
-    const char* exponent = stop + 1;
-    if (exponent != end && (*exponent == '+' || *exponent == '-')) ++exponent;
-    const char* const last = after_digits(exponent, end);
-    return last == exponent ? stop : last;
-}
-
-bool has_digit_but_zero(const char* at, const char* end) {
-    for (; at != end && *at != 'e' && *at != 'E'; ++at)
-        if (*at >= '1' && *at <= '9') return true;
-    return false;
-}
-
-// strtod() takes what the functions above have delimited, and more. Its decimal point is that of the locale, which
-// nothing in the program sets: it is "C".
+// strtod() takes blanks, a leading + and hexadecimal digits too: it is given none. Its decimal point is that of the
+// locale, which nothing in the program sets: it is "C".
 std::from_chars_result read_number(const char* begin, const char* end, double& value) {
-    const char* const digits = begin != end && *begin == '-' ? begin + 1 : begin;
-    const char* const decimal = after_decimal(digits, end);
-    const char* const stop = decimal ? decimal : after_named(digits, end);
-    if (!stop) return {begin, std::errc::invalid_argument};
-    const double nearest = std::strtod(std::string(begin, stop).c_str(), nullptr);
-    if (decimal && (std::isinf(nearest) || (nearest == 0 && has_digit_but_zero(digits, decimal))))
-        return {stop, std::errc::result_out_of_range};
+    const auto may_belong = [](char c) {
+        const auto letter = static_cast<unsigned char>(c);
+        return std::isalnum(letter) ? std::tolower(letter) != 'x' : c != '\0' && std::strchr("+-._()", c) != nullptr;
+    };
+    const std::string text(begin, std::find_if_not(begin, end, may_belong));
+    char* stop = nullptr;
+    errno = 0;
+    const double nearest = text.starts_with('+') || text.starts_with("-+") ? 0 : std::strtod(text.c_str(), &stop);
+    if (!stop || stop == text.c_str()) return {begin, std::errc::invalid_argument};
+    const char* const last = begin + (stop - text.c_str());
+    if (errno == ERANGE && (nearest == 0 || std::isinf(nearest))) return {last, std::errc::result_out_of_range};
     value = nearest;
-    return {stop, std::errc()};
+    return {last, std::errc()};
 }
 
 #endif
