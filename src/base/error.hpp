@@ -24,21 +24,19 @@ struct Error : std::runtime_error {
 };
 
 // parts: of the message, see concat().
-struct UsageError : Error {
+template <ExitCode code>
+struct ErrorOf : Error {
     template <class... Parts>
-    explicit UsageError(const Parts&... parts) : Error(ExitCode::usage, concat(parts...)) {}
+    explicit ErrorOf(const Parts&... parts) : Error(code, concat(parts...)) {}
 };
+using UsageError = ErrorOf<ExitCode::usage>;
+using InputError = ErrorOf<ExitCode::input>;
 
 // Of one of the settings, by its name; the deck, which has them as keys, adds the line.
 struct SettingError : UsageError {
     std::string key;
     template <class... Parts>
     explicit SettingError(std::string of_key, const Parts&... parts) : UsageError(parts...), key(std::move(of_key)) {}
-};
-
-struct InputError : Error {
-    template <class... Parts>
-    explicit InputError(const Parts&... parts) : Error(ExitCode::input, concat(parts...)) {}
 };
 
 // Printed where an allocation fails; the exit code is `input`.

@@ -13,10 +13,7 @@ struct Frame {
     Vec<3> origin = {};
     double length = 1;
 
-    Vec<3> to_file(Vec<3> x) const {
-        for (int a = 0; a < 3; ++a) x[a] = origin[a] + length * x[a];
-        return x;
-    }
+    Vec<3> to_file(const Vec<3>& x) const { return origin + length * x; }
     Vec<3> to_run(Vec<3> X) const {
         for (int a = 0; a < 3; ++a) X[a] = (X[a] - origin[a]) / length;
         return X;

@@ -37,10 +37,9 @@ public:
     }
     ~HandleSignal() { std::signal(signal_, before_); }
     HandleSignal(const HandleSignal&) = delete;
-    HandleSignal& operator=(const HandleSignal&) = delete;
 
 private:
-    int signal_;
+    const int signal_;
     void (*before_)(int);
 };
 

@@ -33,7 +33,6 @@ public:
     explicit TimeAdder(double& sum) : sum_(sum) {}
     ~TimeAdder() { sum_ += watch_.seconds(); }
     TimeAdder(const TimeAdder&) = delete;
-    TimeAdder& operator=(const TimeAdder&) = delete;
 
 private:
     double& sum_;

@@ -32,20 +32,20 @@ std::string csv_row(const Cells& cells) {
 
 std::string TextTable::heading() const {
     Cells cells;
-    for (const TextColumn& column : columns_) cells.emplace_back(column.heading);
+    for (const TextColumn& column : columns) cells.emplace_back(column.heading);
     return line(cells);
 }
 
 std::string TextTable::line(const Cells& cells, const std::string& note) const {
     std::string line;
     for (std::size_t k = 0; k < cells.size(); ++k)
-        line += (k == 0 ? "" : "  ") + padded(cells[k].text, columns_[k].width);
+        line += (k == 0 ? "" : "  ") + padded(cells[k].text, columns[k].width);
     return line + note + "\n";
 }
 
 std::string TextTable::text(const std::vector<Cells>& rows) const {
     TextTable fitted = *this;
-    int& width = fitted.columns_[0].width;
+    int& width = fitted.columns[0].width;
     for (const Cells& row : rows) width = std::min(width, -static_cast<int>(row[0].text.size()));
     std::string text = fitted.heading();
     for (const Cells& row : rows) text += fitted.line(row);

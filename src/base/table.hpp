@@ -46,17 +46,14 @@ struct TextColumn {
 };
 
 // A table with two blanks between its columns.
-class TextTable {
-public:
-    explicit TextTable(std::vector<TextColumn> columns) : columns_(std::move(columns)) {}
+struct TextTable {
+    std::vector<TextColumn> columns;
+
     std::string heading() const;
     // Of a table that grows while it is read; the last cells may be missing. note: what follows the cells.
     std::string line(const Cells& cells, const std::string& note = "") const;
     // Heading and rows; the first column is as wide as its longest cell.
     std::string text(const std::vector<Cells>& rows) const;
-
-private:
-    std::vector<TextColumn> columns_;
 };
 
 std::string padded(std::string text, int width);  // with blanks, before it or, where width < 0, after it

@@ -42,19 +42,13 @@ std::vector<std::string_view> words(std::string_view text) {
 
 namespace {
 
-std::from_chars_result read_number(const char* begin, const char* end, double& value) {
-    return read_double(begin, end, value);
-}
-std::from_chars_result read_number(const char* begin, const char* end, int& value) {
-    return std::from_chars(begin, end, value);
-}
-
-template <class Number>
-std::optional<Number> parse_number(std::string_view text) {
+// read: as std::from_chars().
+template <class Number, class Read>
+std::optional<Number> parse_number(std::string_view text, const Read& read) {
     if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
     Number value{};
     const char* const end = text.data() + text.size();
-    const auto [stop, error] = read_number(text.data(), end, value);
+    const auto [stop, error] = read(text.data(), end, value);
     if (error != std::errc() || stop != end) return std::nullopt;
     return value;
 }
@@ -67,37 +61,19 @@ std::string lower_case(std::string text) {
 }  // namespace
 
 std::optional<double> parse_double(std::string_view text) {
-    const auto value = parse_number<double>(text);
+    const auto value = parse_number<double>(text, read_double);
     return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
 std::optional<int> parse_int(std::string_view text, int lowest, int highest) {
-    const auto value = parse_number<int>(text);
+    const auto read = [](const char* begin, const char* end, int& to) { return std::from_chars(begin, end, to); };
+    const auto value = parse_number<int>(text, read);
     return value && *value >= lowest && *value <= highest ? value : std::nullopt;
 }
 
 std::string to_text(double value) {
-    return joined({value});
-}
-
-TextPart::TextPart(double value) {
-    char* const begin = digits_.data();
-    text_ = digits_until(std::to_chars(begin, begin + digits_.size(), value, std::chars_format::general).ptr);
-}
-
-void TextPart::set_integer(long long value) {
-    char* const begin = digits_.data();
-    text_ = digits_until(std::to_chars(begin, begin + digits_.size(), value).ptr);
-}
-
-std::string_view TextPart::digits_until(const char* end) const {
-    return {digits_.data(), static_cast<std::size_t>(end - digits_.data())};
-}
-
-std::string joined(std::initializer_list<TextPart> parts) {
-    std::string text;
-    for (const TextPart& part : parts) text += part.text();
-    return text;
+    char digits[32];  // the longest double needs 24 characters
+    return {digits, std::to_chars(digits, digits + sizeof digits, value, std::chars_format::general).ptr};
 }
 
 std::string hash_of(std::string_view text) {

@@ -2,9 +2,6 @@
 // spelling suggestions, quotes, and tables with named rows.
 #pragma once
 #include <algorithm>
-#include <array>
-#include <concepts>
-#include <initializer_list>
 #include <limits>
 #include <optional>
 #include <string>
@@ -29,36 +26,18 @@ std::optional<int> parse_int(std::string_view text, int lowest = std::numeric_li
 // Shortest text that parse_double() turns into the same bits, as %g prints it: 0.0005, 1e-08, 841.
 std::string to_text(double value);
 
-// A text, an integer in decimal, or a decimal number as to_text() shows it.
-class TextPart {
-public:
-    TextPart(std::string_view text) : text_(text) {}
-    TextPart(const std::string& text) : text_(text) {}
-    TextPart(const char* text) : text_(text) {}
-    TextPart(double value);
-    template <std::integral Integer>
-    TextPart(Integer value) {
-        static_assert(!std::is_same_v<Integer, char> && !std::is_same_v<Integer, bool>, "neither a text nor a number");
-        set_integer(value);
-    }
-    TextPart(const TextPart&) = delete;
-
-    std::string_view text() const { return text_; }
-
-private:
-    std::string_view text_;
-    std::array<char, 32> digits_;  // the longest double needs 24 characters
-
-    void set_integer(long long value);
-    std::string_view digits_until(const char* end) const;
-};
-
-std::string joined(std::initializer_list<TextPart> parts);
-
-// The parts one after the other.
+// The parts one after the other: texts, integers in decimal, and decimal numbers as to_text() shows them.
 template <class... Parts>
 std::string concat(const Parts&... parts) {
-    return joined({TextPart(parts)...});
+    std::string text;
+    const auto append = [&text]<class Part>(const Part& part) {
+        static_assert(!std::is_same_v<Part, char> && !std::is_same_v<Part, bool>, "neither a text nor a number");
+        if constexpr (std::is_integral_v<Part>) text += std::to_string(part);
+        else if constexpr (std::is_floating_point_v<Part>) text += to_text(part);
+        else text += part;
+    };
+    (append(parts), ...);
+    return text;
 }
 
 std::string rounded_down(double value, int digits);  // as %.<digits>g, but never more than the value: for bounds

@@ -175,8 +175,8 @@ std::string distance_table(const Mesh& mesh, const std::vector<BoundaryDistance>
         rows.push_back({mesh.boundaries[of.boundary], of.faces, of.moved, fixed(100 * of.moved_area, 1) + " %",
                         to_text(of.largest, 3), to_text(of.rms, 3), to_text(of.relative_largest, 3),
                         to_text(of.relative_rms, 3)});
-    const TextTable table({{"boundary", -8}, {"faces", 6}, {"moved", 6}, {"area", 7}, {"largest", 9}, {"RMS", 9},
-                           {"largest/edge", 12}, {"RMS/edge", 9}});
+    const TextTable table{{{"boundary", -8}, {"faces", 6}, {"moved", 6}, {"area", 7}, {"largest", 9}, {"RMS", 9},
+                           {"largest/edge", 12}, {"RMS/edge", 9}}};
     return "distance of the faces from " + from + " (edge: the longest of the face):\n" + table.text(rows);
 }
 

@@ -150,8 +150,8 @@ std::string line(Al row) {
 
 constexpr const char* clear_line = "\r\033[K";
 
-const TextTable shown({{"AL", 3}, {"|c_D|", 9}, {"|grad E|", 9}, {"q", 8}, {"max eta", 9}, {"mu", 8}, {"update", -9},
-                       {"Newton", 6}, {"time", 8}});
+const TextTable shown{{{"AL", 3}, {"|c_D|", 9}, {"|grad E|", 9}, {"q", 8}, {"max eta", 9}, {"mu", 8}, {"update", -9},
+                       {"Newton", 6}, {"time", 8}}};
 
 }  // namespace
 

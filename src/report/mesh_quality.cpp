@@ -44,7 +44,7 @@ std::string quality_table(const QualityChange& change) {
         for (const double bound : bounds) row.push_back(count([bound](double value) { return value < bound; }));
         rows.push_back(row);
     }
-    return TextTable(columns).text(rows);
+    return TextTable{columns}.text(rows);
 }
 
 std::string quality_csv(const QualityChange& change) {

@@ -58,8 +58,8 @@ void print_volumes(std::FILE* out, const Deck& deck, const Problem& problem, con
                         fixed(found.relative_quality, 6), to_text(found.max_distortion, 4),
                         ">= " + rounded_down(least, 4)});
     }
-    const TextTable table({{"volume", -6}, {"elements", 8}, {"energy", 9}, {"q", 8}, {"max eta", 9},
-                           {"scaled Jacobian"}});
+    const TextTable table{{{"volume", -6}, {"elements", 8}, {"energy", 9}, {"q", 8}, {"max eta", 9},
+                           {"scaled Jacobian"}}};
     print(out, table.text(rows));
 }
 

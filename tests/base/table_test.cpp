@@ -24,7 +24,7 @@ TEST_CASE("a CSV row: numbers with all digits, texts in quotes where they need t
 }
 
 TEST_CASE("columns of a table stand below each other, the first one as wide as its longest cell") {
-    const TextTable table({{"name", -4}, {"x", 5}, {"note"}});
+    const TextTable table{{{"name", -4}, {"x", 5}, {"note"}}};
     CHECK(table.heading() == "name      x  note\n");
     CHECK(table.line({"a", 12}) == "a        12\n");
     CHECK(table.line({"a", 12, "b"}, ", c") == "a        12  b, c\n");

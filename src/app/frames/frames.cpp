@@ -35,8 +35,8 @@ namespace {
 
 constexpr int most_halvings = 3;  // of the time between two frames
 
-const TextTable shown({{"frame", 6}, {"t", 9}, {"status", -10}, {"Newton", 6}, {"max eta", 9}, {"q", 8},
-                       {"Jacobian", 8}, {"from", -6}, {"time", 8}});
+const TextTable shown{{{"frame", 6}, {"t", 9}, {"status", -10}, {"Newton", 6}, {"max eta", 9}, {"q", 8},
+                       {"Jacobian", 8}, {"from", -6}, {"time", 8}}};
 
 class FrameRun {
 public:
