@@ -58,13 +58,7 @@ private:
             compute(elements, node, cell_.vertices);
             return mean_determinant(elements, straight_);
         }
-        const Vec<n, Lanes> origin = gathered<n>(node, 0, x_);
-        Mat<n, Lanes> J;
-        for (int k = 0; k < n; ++k) {
-            const Vec<n, Lanes> vertex = gathered<n>(node, k + 1, x_);
-            for (int a = 0; a < n; ++a) J[a][k] = vertex[a] - origin[a];
-        }
-        return abs(determinant(J));
+        return abs(determinant(straight_jacobian<n>(node, x_)));
     }
 
     // Of straight-sided elements. In a pyramid they have no layers, over which the mean would be weighted.

@@ -44,16 +44,8 @@ double positive_until(std::array<double, n + 1> b, double bound, double length =
 template <int n>
 double straight_fraction(const int* const* node, int count, const std::vector<double>& from,
                          const std::vector<double>& to) {
-    const auto edges = [node](const std::vector<double>& x) {
-        const Vec<n, Lanes> x0 = gathered<n>(node, 0, x);
-        Mat<n, Lanes> J;
-        for (int k = 0; k < n; ++k) {
-            const Vec<n, Lanes> xk = gathered<n>(node, k + 1, x);
-            for (int a = 0; a < n; ++a) J[a][k] = xk[a] - x0[a];
-        }
-        return J;
-    };
-    const Mat<n, Lanes> J0 = edges(from), J1 = edges(to), C0 = cofactor(J0), C1 = cofactor(J1);
+    const Mat<n, Lanes> J0 = straight_jacobian<n>(node, from), J1 = straight_jacobian<n>(node, to);
+    const Mat<n, Lanes> C0 = cofactor(J0), C1 = cofactor(J1);
     std::array<Lanes, n + 1> b{};
     for (int k = 0; k < n; ++k) {
         b[0] += C0[0][k] * J0[0][k];

@@ -92,6 +92,18 @@ Vec<n, Lanes> gathered(const int* const* node, int i, const std::vector<double>&
     return position;
 }
 
+// The Jacobians of the straight-sided simplices of the first vertices.
+template <int n>
+Mat<n, Lanes> straight_jacobian(const int* const* node, const std::vector<double>& x) {
+    const Vec<n, Lanes> origin = gathered<n>(node, 0, x);
+    Mat<n, Lanes> J;
+    for (int k = 0; k < n; ++k) {
+        const Vec<n, Lanes> vertex = gathered<n>(node, k + 1, x);
+        for (int a = 0; a < n; ++a) J[a][k] = vertex[a] - origin[a];
+    }
+    return J;
+}
+
 // T: double, or Lanes for as many elements at once. Objects of one T share their work space within a thread: one at a
 // time.
 template <int n, class T>
@@ -124,9 +136,8 @@ public:
         tangent_size_ = {};
         y_size_ = {};
         for (int end = 0; end < ends; ++end) set_tangents(end);
-        if (ends == 1) product_at_rest();
-        else products_along();
-        for (int k = 0; k < (ends == 1 ? 1 : n + 1); ++k)
+        multiply_tangents(ends);
+        for (int k = 0; k <= n * (ends - 1); ++k)
             for (int a = 0; a < count_; ++a) b_[k][a] *= sign_ / of_.jacobian.multinomial[a];
     }
 
@@ -336,6 +347,7 @@ private:
             for (std::size_t j = 0; j < table.right.size(); ++j) times(a[i], b[j], factor, to[*place++]);
     }
 
+    // The first two tangents.
     void add_cross(const Vec<n, T>* a, const Vec<n, T>* b, double factor, T* to) const requires(n == 2) {
         add_product(
             of_.tangent_tangent, a, b, factor,
@@ -356,39 +368,21 @@ private:
             [](const auto& u, const auto& v, double f, T& sum) { sum += f * dot(u, v); }, to);
     }
 
-    void product_at_rest() {
-        const auto& t = tangent_[0];
-        std::fill_n(b_[0], count_, T{});
+    // In all ways, each tangent from one of the ends: b_k is the mean of those with k from x'.
+    void multiply_tangents(int ends) {
+        for (int k = 0; k <= n * (ends - 1); ++k) std::fill_n(b_[k], count_, T{});
         if constexpr (n == 2) {
-            add_cross(t[0], t[1], 1, b_[0]);
+            for (int i = 0; i < ends; ++i)
+                for (int j = 0; j < ends; ++j)
+                    add_cross(tangent_[i][0], tangent_[j][1], i == j ? 1 : 0.5, b_[i + j]);
         } else {
-            std::fill_n(normal_[0], normals_, Vec<n, T>{});
-            add_cross(t[0], t[1], normal_[0]);
-            add_dot(normal_[0], t[2], 1, b_[0]);
-        }
-    }
-
-    void products_along() {
-        const auto& from = tangent_[0];
-        const auto& to = tangent_[1];
-        for (T* b : b_) std::fill_n(b, count_, T{});
-        if constexpr (n == 2) {
-            add_cross(from[0], from[1], 1, b_[0]);
-            add_cross(from[0], to[1], 0.5, b_[1]);
-            add_cross(to[0], from[1], 0.5, b_[1]);
-            add_cross(to[0], to[1], 1, b_[2]);
-        } else {
-            for (Vec<n, T>* normal : normal_) std::fill_n(normal, normals_, Vec<n, T>{});
-            add_cross(from[0], from[1], normal_[0]);
-            add_cross(from[0], to[1], normal_[1]);
-            add_cross(to[0], from[1], normal_[1]);
-            add_cross(to[0], to[1], normal_[2]);
-            add_dot(normal_[0], from[2], 1, b_[0]);
-            add_dot(normal_[1], from[2], 1.0 / 3, b_[1]);
-            add_dot(normal_[0], to[2], 1.0 / 3, b_[1]);
-            add_dot(normal_[2], from[2], 1.0 / 3, b_[2]);
-            add_dot(normal_[1], to[2], 1.0 / 3, b_[2]);
-            add_dot(normal_[2], to[2], 1, b_[3]);
+            const int normals = 2 * ends - 1;
+            for (int k = 0; k < normals; ++k) std::fill_n(normal_[k], normals_, Vec<n, T>{});
+            for (int i = 0; i < ends; ++i)
+                for (int j = 0; j < ends; ++j) add_cross(tangent_[i][0], tangent_[j][1], normal_[i + j]);
+            for (int j = 0; j < ends; ++j)
+                for (int k = 0; k < normals; ++k)
+                    add_dot(normal_[k], tangent_[j][2], (j + k) % 3 == 0 ? 1 : 1.0 / 3, b_[j + k]);
         }
     }
 };
