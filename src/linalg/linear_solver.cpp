@@ -61,7 +61,7 @@ bool takes_lower_degree(const BlockCsr& pattern, const LinearSolverParams& param
            sweeps_for(pattern, params) == Sweeps::ssor && params.preconditioner != PreconditionerKind::ssor;
 }
 
-// start: of the domains, see Ilu0.
+// start: of the domains, see make_ilu0().
 std::unique_ptr<Preconditioner> make_preconditioner(const BlockCsr& pattern, const std::vector<int>& start,
                                                     int dimension, const LinearSolverParams& params) {
     if (takes_lower_degree(pattern, params)) {
@@ -71,7 +71,7 @@ std::unique_ptr<Preconditioner> make_preconditioner(const BlockCsr& pattern, con
             return make_preconditioner(E, pattern.order->vertex_start, dimension, coarse);
         };
         auto correction = std::make_unique<CoarseCorrection>(pattern, pattern.order->of_vertices, make_coarse);
-        return std::make_unique<Ilu0>(pattern, start, std::vector<double>{}, Sweeps::ssor, std::move(correction));
+        return make_ilu0(pattern, start, {}, Sweeps::ssor, std::move(correction));
     }
     std::unique_ptr<Preconditioner> ilu;
     // Where ILU(0) of a positive definite matrix meets a bad pivot, that of one with a heavier diagonal may not, and
@@ -79,7 +79,7 @@ std::unique_ptr<Preconditioner> make_preconditioner(const BlockCsr& pattern, con
     // elements, and iterations stagnate with any shift.
     const std::vector<double> shifts = dimension == 2 ? std::vector<double>{0} : std::vector<double>{0, 0.01, 0.1};
     const Sweeps sweeps = sweeps_for(pattern, params);
-    const auto set_up_ilu = [&] { ilu = std::make_unique<Ilu0>(pattern, start, shifts, sweeps); };
+    const auto set_up_ilu = [&] { ilu = make_ilu0(pattern, start, shifts, sweeps); };
     if (params.kind == SolverKind::gmres) return set_up_ilu(), std::move(ilu);
     std::unique_ptr<CoarseSpace> coarse;
     const bool in_single = sweeps == Sweeps::ssor;

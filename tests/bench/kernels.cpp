@@ -98,8 +98,8 @@ void measure_products(const std::string& name, const NewtonSystem& system, const
     const BlockCsr A = reordered(system.A, cut_into_domains(graph_of(system.A)));
     std::vector<double> x(A.size(), 1.0), y(A.size()), b;
     to_rows(A, system.b, b);
-    auto made = std::make_unique<Ilu0>(A, A.order->start);
-    Ilu0& ilu = *made;
+    auto made = make_ilu0(A, A.order->start);
+    Preconditioner& ilu = *made;
     Deflated deflated(std::move(made), std::make_unique<CoarseSpace>(A));
     for (std::size_t t = 0; t < machine.threads.size(); ++t) {
         const int threads = machine.threads[t];

@@ -249,7 +249,7 @@ TEST_CASE("in 3D a bad pivot of ILU(0) is answered by a heavier diagonal") {
     };
     for (int i = 0; i < 4; ++i) set(i, i, 1.6);  // eigenvalues 1.6 +- sqrt 2
     set(0, 1, 1), set(1, 2, 1), set(2, 3, 1), set(0, 3, -1);
-    REQUIRE(Ilu0(A).factor(A).status == SolveStatus::indefinite_preconditioner);
+    REQUIRE(make_ilu0(A)->factor(A).status == SolveStatus::indefinite_preconditioner);
     const std::vector<double> b = random_vector(A.size());
     std::vector<double> x;
     for (SolverKind kind : {SolverKind::cg, SolverKind::gmres}) {

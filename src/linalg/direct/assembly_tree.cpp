@@ -36,15 +36,10 @@ void sort_children(Groups& children, int v, const Key& key) {
                      [&](int a, int b) { return key(a) > key(b); });
 }
 
-// Root of the tree that vertex v has been joined to so far, with path compression.
+// Root of the tree that vertex v has been joined to so far, with path halving.
 int find_root(std::vector<int>& ancestor, int v) {
-    int root = v;
-    while (ancestor[root] != root) root = ancestor[root];
-    for (int next; v != root; v = next) {
-        next = ancestor[v];
-        ancestor[v] = root;
-    }
-    return root;
+    while (ancestor[v] != v) v = ancestor[v] = ancestor[ancestor[v]];
+    return v;
 }
 
 // Entries of each column of L. Column j has one for every row i whose row subtree, the paths from the entries of row i

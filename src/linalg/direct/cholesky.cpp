@@ -31,12 +31,8 @@ FactorPlan plan_in_order(const BlockCsr& pattern, Ordering ordering) {
     return plan_factorisation(pattern, graph, order_vertices(graph, ordering));
 }
 
-// body(i) for i in [0, n), by a team of threads if asked for.
-template <class Body>
-void loop(int n, bool parallel, const Body& body, double work = 10) {
-    if (parallel) return parallel_for(n, body, work);
-    serial_for(n, body);
-}
+// Of the iterations of a loop, for parallel_for(): nothing where no team is asked for.
+double work_of(bool parallel, double work = 10) { return parallel ? work : 0; }
 
 // Rows of an update matrix that stay next to each other in the parent front; scalar, counted from its first row.
 struct Run {
@@ -70,18 +66,9 @@ void extend_add(const Front& child, const Front& parent, const std::vector<Run>&
     for (std::size_t r = 0; r < runs.size(); ++r) {
         const int pivots = std::clamp(parent.k - runs[r].target + runs[r].begin, runs[r].begin, runs[r].end);
         const int begin = panel ? runs[r].begin : pivots, end = panel ? pivots : runs[r].end;
-        loop(end - begin, parallel && end - begin > 32,
-             [&](int j) { extend_add_column(child, parent, runs, r, begin + j); });
+        parallel_for(end - begin, [&](int j) { extend_add_column(child, parent, runs, r, begin + j); },
+                     work_of(parallel && end - begin > 32));
     }
-}
-
-// Solves read each panel once, so threads that share a front wait more than they work: parallel across a level, and
-// inside a front only where it is alone.
-template <class Body>
-void for_level(const std::vector<int>& level, const Body& body) {
-    const int count = static_cast<int>(level.size());
-    if (count == 1) return body(level.front(), true);
-    parallel_tasks(count, true, [&](int i) { body(level[i], false); });
 }
 
 }  // namespace
@@ -122,7 +109,8 @@ Front Cholesky::front(int f, int thread) {
 void Cholesky::gather_entries(const BlockCsr& A, int f, const Front& target, bool parallel) {
     const int d = plan_.d, ld = front_ld(target.m);
     double* const smallest = smallest_.data() + offset(plan_.tree.first[f], d);
-    loop(target.k, parallel, [&](int j) { std::fill_n(target.panel + offset(j, ld), ld, 0.0); }, target.m);
+    parallel_for(target.k, [&](int j) { std::fill_n(target.panel + offset(j, ld), ld, 0.0); },
+                 work_of(parallel, target.m));
     for (std::size_t e = plan_.entry_start[f]; e < plan_.entry_start[f + 1]; ++e) {
         const FrontEntry& entry = plan_.entries[e];
         const double* block = A.block(entry.block);  // row-major, row = the entry's column, as A is symmetric
@@ -222,8 +210,11 @@ void Cholesky::solve(const double* b, double* x) {
             for (int k = 0; k < end - begin; ++k) solve_front(forward ? begin + k : end - 1 - k, forward, y, false);
         });
     };
+    // Solves read each panel once, so threads that share a front wait more than they work: parallel across a level, and
+    // inside a front only where it is alone.
     const auto sweep_level = [&](int l, bool forward) {
-        for_level(plan_.levels[l], [&](int f, bool parallel) { solve_front(f, forward, y, parallel); });
+        const int fronts = static_cast<int>(plan_.levels[l].size());
+        parallel_tasks(fronts, true, [&](int i) { solve_front(plan_.levels[l][i], forward, y, fronts == 1); });
     };
     parallel_for(nodes, [&](int i) { std::copy_n(b + offset(order[i], d), d, y + offset(i, d)); });
     sweep_subtrees(true);

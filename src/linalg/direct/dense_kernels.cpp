@@ -21,7 +21,7 @@ constexpr int packs = lanes == 2 ? 2 : 3;         // registers per column of the
 
 constexpr int block_columns = 128;                // columns eliminated before the rest of a large front is updated
 constexpr int block_rows = 192;                   // rows and columns of the pieces that are shared among threads
-constexpr int short_front = 300;                  // rows up to which solves go column by column
+constexpr int short_front = 300;                  // rows up to which solves go column by column: in the cache
 constexpr int solve_columns = 64;                 // columns solved for before the rest of a right-hand side is updated
 constexpr int solve_rows = 512;                   // rows of it that one thread updates at a time
 constexpr int solve_parallel = 1500;              // fewer rows than this are not worth a team
@@ -242,24 +242,6 @@ void subtract_products(const double* panel, std::size_t ld, int j, int begin, in
     }
 }
 
-// Short fronts, column by column: they fit the cache.
-void solve_forward_short(const Front& front, double* w) {
-    const std::size_t ld = front_ld(front.m);
-    for (int j = 0; j < front.k; ++j) {
-        const double* const column = front.panel + j * ld;
-        const double x = w[j] /= column[j];
-        for (int i = j + 1; i < front.m; ++i) w[i] -= column[i] * x;
-    }
-}
-
-void solve_backward_short(const Front& front, double* w) {
-    const std::size_t ld = front_ld(front.m);
-    for (int j = front.k - 1; j >= 0; --j) {
-        subtract_products<1>(front.panel, ld, j, j + 1, front.m, w);
-        w[j] /= front.panel[j * ld + j];
-    }
-}
-
 }  // namespace
 
 int factor_front(const Front& front, const double* smallest, bool parallel) {
@@ -290,16 +272,17 @@ int factor_front(const Front& front, const double* smallest, bool parallel) {
 }
 
 void solve_forward(const Front& front, double* w, bool parallel) {
-    if (front.m <= short_front) return solve_forward_short(front, w);
     const std::size_t ld = front_ld(front.m);
-    for (int j0 = 0; j0 < front.k; j0 += solve_columns) {
-        const int j1 = std::min(front.k, j0 + solve_columns);
+    const bool is_short = front.m <= short_front;
+    for (int j0 = 0, j1; j0 < front.k; j0 = j1) {
+        j1 = is_short ? front.k : std::min(front.k, j0 + solve_columns);
+        const int end = is_short ? front.m : j1;
         for (int j = j0; j < j1; ++j) {
             const double* const column = front.panel + j * ld;
             const double x = w[j] /= column[j];
-            for (int i = j + 1; i < j1; ++i) w[i] -= column[i] * x;
+            for (int i = j + 1; i < end; ++i) w[i] -= column[i] * x;
         }
-        const int rows = front.m - j1, pieces = (rows + solve_rows - 1) / solve_rows;
+        const int rows = front.m - end, pieces = (rows + solve_rows - 1) / solve_rows;
         parallel_tasks(pieces, parallel && rows > solve_parallel, [&](int i) {
             const int begin = j1 + i * solve_rows;
             subtract_columns(front.panel, ld, j0, j1, begin, std::min(front.m, begin + solve_rows), w);
@@ -308,8 +291,13 @@ void solve_forward(const Front& front, double* w, bool parallel) {
 }
 
 void solve_backward(const Front& front, double* w, bool parallel) {
-    if (front.m <= short_front) return solve_backward_short(front, w);
     const std::size_t ld = front_ld(front.m);
+    const bool is_short = front.m <= short_front;
+    for (int j = front.k - 1; j >= 0 && is_short; --j) {
+        subtract_products<1>(front.panel, ld, j, j + 1, front.m, w);
+        w[j] /= front.panel[j * ld + j];
+    }
+    if (is_short) return;
     for (int j1 = front.k, j0; j1 > 0; j1 = j0) {
         j0 = (j1 - 1) / solve_columns * solve_columns;
         parallel_tasks((j1 - j0) / 4, parallel && front.m - j1 > solve_parallel,

@@ -47,9 +47,9 @@ bool inverse_of_cholesky(const double* D, double* inverse) {
 }
 
 template <int d>
-class Ilu0OfBlocks final : public Preconditioner {
+class Ilu0 final : public Preconditioner {
 public:
-    Ilu0OfBlocks(const BlockCsr& pattern, std::vector<int> start, std::vector<double> diagonal_shifts, Sweeps sweeps,
+    Ilu0(const BlockCsr& pattern, std::vector<int> start, std::vector<double> diagonal_shifts, Sweeps sweeps,
                  std::unique_ptr<CoarseCorrection> correction)
         : start_(std::move(start)),
           diagonal_shifts_(std::move(diagonal_shifts)),
@@ -224,7 +224,7 @@ private:
     // or q = A z + beta q, r -= alpha q first. y_i is still that of z.
     struct Advanced {
         static constexpr bool advances = true;
-        const Ilu0OfBlocks& M;
+        const Ilu0& M;
         double alpha, beta;
         double *q, *r;
         const double* Az;
@@ -423,14 +423,16 @@ private:
 
 }  // namespace
 
-Ilu0::Ilu0(const BlockCsr& pattern, std::vector<int> start, std::vector<double> diagonal_shifts, Sweeps sweeps,
-           std::unique_ptr<CoarseCorrection> correction) {
+std::unique_ptr<Preconditioner> make_ilu0(const BlockCsr& pattern, std::vector<int> start,
+                                          std::vector<double> diagonal_shifts, Sweeps sweeps,
+                                          std::unique_ptr<CoarseCorrection> correction) {
+    if (start.empty()) start = {0, pattern.n};
+    std::unique_ptr<Preconditioner> made;
     with_block_size(pattern.d, [&](auto d) {
-        blocks_ = std::make_unique<Ilu0OfBlocks<d>>(pattern, std::move(start), std::move(diagonal_shifts), sweeps,
-                                                    std::move(correction));
+        made = std::make_unique<Ilu0<d>>(pattern, std::move(start), std::move(diagonal_shifts), sweeps,
+                                                 std::move(correction));
     });
+    return made;
 }
-
-Ilu0::Ilu0(const BlockCsr& pattern) : Ilu0(pattern, {0, pattern.n}) {}
 
 }  // namespace almesh

@@ -35,37 +35,17 @@ enum class Sweeps {
     ilu0_or_ssor  // SSOR where no shift gives ILU(0) positive pivots
 };
 
-class Ilu0 final : public Preconditioner {
-public:
-    // Sets up the pattern of L. pattern: symmetric with both triangles and the diagonal, d = 1, 2, 3. start: domain k
-    // has the rows start[k] .. start[k+1]-1 and the separators those from start.back() on; no edge may join two
-    // domains. diagonal_shifts: what is factored is A with its diagonal blocks times 1 + shift, for the first of these
-    // shifts that gives positive pivots; SSOR takes none. correction: between the sweeps of Sweeps::ssor, or null.
-    Ilu0(const BlockCsr& pattern, std::vector<int> start, std::vector<double> diagonal_shifts = {0},
-         Sweeps sweeps = Sweeps::ilu0, std::unique_ptr<CoarseCorrection> correction = nullptr);
-
-    // The same as one domain.
-    explicit Ilu0(const BlockCsr& pattern);
-
-    // indefinite_preconditioner: a pivot block is not positive definite or not finite, with every shift.
-    // not_positive_definite: the correction's matrix is not, and so A is not.
-    FactorResult factor(const BlockCsr& A) override { return blocks_->factor(A); }
-
-    // z = (C (I + L) (I + L') C')^{-1} r; r'z is the squared norm of the vector between the sweeps. r and z may be the
-    // same array.
-    double apply(const double* r, double* z) override { return blocks_->apply(r, z); }
-
-    // With SSOR. A z comes with the pass over L that the next forward sweep makes anyway.
-    bool puts_off_products() const override { return blocks_->puts_off_products(); }
-    Products apply_and_put_off(const double* r, double* z, double* Az) override {
-        return blocks_->apply_and_put_off(r, z, Az);
-    }
-    Products advance(double alpha, double beta, double* q, double* r, double* z, double* Az) override {
-        return blocks_->advance(alpha, beta, q, r, z, Az);
-    }
-
-private:
-    std::unique_ptr<Preconditioner> blocks_;  // for d x d blocks
-};
+// z = (C (I + L) (I + L') C')^{-1} r; r'z is the squared norm of the vector between the sweeps, and r and z may be the
+// same array. With SSOR A z comes with the pass over L that the next forward sweep makes anyway (puts_off_products()).
+// Its factor() ends as indefinite_preconditioner where a pivot block is not positive definite or not finite, with every
+// shift; as not_positive_definite where the correction's matrix is not, and so A is not.
+//
+// pattern: symmetric with both triangles and the diagonal, d = 1, 2, 3. start: domain k has the rows start[k] ..
+// start[k+1]-1 and the separators those from start.back() on; no edge may join two domains. Empty: all is one domain.
+// diagonal_shifts: what is factored is A with its diagonal blocks times 1 + shift, for the first of these shifts that
+// gives positive pivots; SSOR takes none. correction: between the sweeps of Sweeps::ssor, or null.
+std::unique_ptr<Preconditioner> make_ilu0(const BlockCsr& pattern, std::vector<int> start = {},
+                                          std::vector<double> diagonal_shifts = {0}, Sweeps sweeps = Sweeps::ilu0,
+                                          std::unique_ptr<CoarseCorrection> correction = nullptr);
 
 }  // namespace almesh

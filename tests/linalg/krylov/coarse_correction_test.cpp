@@ -22,7 +22,7 @@ namespace {
 constexpr double single = 1e-5;  // L and V are kept in single precision
 
 std::unique_ptr<Preconditioner> ssor_of(const BlockCsr& E) {
-    return std::make_unique<Ilu0>(E, std::vector<int>{0, E.n}, std::vector<double>{}, Sweeps::ssor);
+    return make_ilu0(E, {}, {}, Sweeps::ssor);
 }
 
 // A 3D grid numbered domain by domain: one domain for m <= 15.
@@ -35,8 +35,8 @@ struct CutGrid {
         start = A.order->start;
     }
 
-    Ilu0 corrected(const Interpolation& P) const {
-        return Ilu0(A, start, {}, Sweeps::ssor, std::make_unique<CoarseCorrection>(A, P, ssor_of));
+    std::unique_ptr<Preconditioner> corrected(const Interpolation& P) const {
+        return make_ilu0(A, start, {}, Sweeps::ssor, std::make_unique<CoarseCorrection>(A, P, ssor_of));
     }
 };
 
@@ -157,7 +157,8 @@ TEST_CASE("a sweep forward, the correction, a sweep back: z, r'z, z'A z, and A z
             const BlockCsr& A = grid.A;
             CHECK(grid.start.size() == (m == 6 ? 2 : 9));
             const Interpolation P = one_column(A.n);
-            Ilu0 M = grid.corrected(P);
+            const auto made = grid.corrected(P);
+            Preconditioner& M = *made;
             REQUIRE(M.factor(A).status == SolveStatus::success);
             REQUIRE(M.puts_off_products());
             std::vector<double> r = random_vector(A.size()), z(r.size()), Az(r.size()), q = random_vector(A.size(), 2);
@@ -182,12 +183,13 @@ TEST_CASE("a sweep forward, the correction, a sweep back: z, r'z, z'A z, and A z
 TEST_CASE("what is smooth is left to the coarse unknowns: the energy norm of its error falls far more than without") {
     CutGrid grid(18, 1);
     make_laplacian(grid.A, 1e-4);
-    Ilu0 M = grid.corrected(constant_on(grid.A.n, 3)), plain(grid.A, grid.start, {}, Sweeps::ssor);
+    const auto made = grid.corrected(constant_on(grid.A.n, 3)), alone = make_ilu0(grid.A, grid.start, {}, Sweeps::ssor);
+    Preconditioner &M = *made, &plain = *alone;
     REQUIRE(M.factor(grid.A).status == SolveStatus::success);
     REQUIRE(plain.factor(grid.A).status == SolveStatus::success);
     const std::vector<double> x(grid.A.size(), 1.0), b = product(grid.A, x);
     std::vector<double> z(x.size()), Az(x.size());
-    const auto error = [&](Ilu0& by) {
+    const auto error = [&](Preconditioner& by) {
         by.apply_and_put_off(b.data(), z.data(), Az.data());
         const std::vector<double> e = difference(x, z);
         return dot(e, product(grid.A, e));
@@ -239,11 +241,13 @@ TEST_CASE("a coarse matrix that is not positive definite shows that the matrix i
     CutGrid grid(6, 1);
     make_laplacian(grid.A, -1e-4);
     SUBCASE("a pivot of it is negative") {
-        Ilu0 M = grid.corrected(constant_on(grid.A.n, 1));
+        const auto made = grid.corrected(constant_on(grid.A.n, 1));
+        Preconditioner& M = *made;
         CHECK(M.factor(grid.A).status == SolveStatus::not_positive_definite);
     }
     SUBCASE("or its conjugate gradients meet negative curvature") {
-        Ilu0 M = grid.corrected(constant_on(grid.A.n, 4));
+        const auto made = grid.corrected(constant_on(grid.A.n, 4));
+        Preconditioner& M = *made;
         REQUIRE(M.factor(grid.A).status == SolveStatus::success);
         std::vector<double> b(grid.A.size(), 1.0), x(b.size());
         const KrylovResult result = ConjugateGradients(grid.A.size(), {100, 1e-8}).solve(grid.A, M, b.data(), x.data());

@@ -145,7 +145,7 @@ TEST_CASE("conjugate gradients take fewer iterations, more so the softer the mat
     const auto solve = [](double excess, bool deflated) {
         const BlockCsr A = laplacian(8000, 1, grid(20, 400), excess);  // a strip, fixed by nothing else
         const std::vector<double> b = random_vector(A.size());
-        std::unique_ptr<Preconditioner> M = std::make_unique<Ilu0>(A);
+        std::unique_ptr<Preconditioner> M = make_ilu0(A);
         if (deflated) M = std::make_unique<Deflated>(std::move(M), std::make_unique<CoarseSpace>(A));
         REQUIRE(M->factor(A).status == SolveStatus::success);
         std::vector<double> x(A.size());
