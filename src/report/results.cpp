@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "base/version.hpp"
 #include "deck/deck_checks.hpp"
@@ -32,6 +33,14 @@ std::vector<double> scaled(std::vector<double> values, double factor) {
     return values;
 }
 
+// value(i) of each of these nodes or elements.
+template <class Value>
+VtkArray numbers(const char* name, const std::vector<int>& items, const Value& value) {
+    VtkArray array{name, 1, {}};
+    for (const int i : items) array.value.push_back(static_cast<double>(value(i)));
+    return array;
+}
+
 VtkFormat format_of(const Deck& deck) { return deck.vtk == VtkOutput::binary ? VtkFormat::binary : VtkFormat::ascii; }
 
 // x, in the run's frame, and positions, in the file's, are the same points.
@@ -43,14 +52,11 @@ void write_volume(const Deck& deck, const Problem& problem, const char* what, co
     if (!deck.wall.empty())
         point_data.push_back({"wall_distance", 1,
                               scaled(wall_distance(mesh, x, mesh.boundaries_in(deck.wall)), problem.frame.length)});
-    std::vector<double> quality(distortion.size()), id(distortion.size());
-    for (std::size_t e = 0; e < distortion.size(); ++e) {
-        quality[e] = 1 / distortion[e];
-        id[e] = static_cast<double>(mesh.file.element_id[e]);
-    }
-    cell_data.push_back({"quality", 1, std::move(quality)});
+    std::vector<int> elements(distortion.size());
+    std::iota(elements.begin(), elements.end(), 0);
+    cell_data.push_back(numbers("quality", elements, [&](int e) { return 1 / distortion[e]; }));
     if (scaled_jacobian) cell_data.push_back({"min_scaled_jacobian", 1, *scaled_jacobian});
-    cell_data.push_back({"element_id", 1, std::move(id)});
+    cell_data.push_back(numbers("element_id", elements, [&](int e) { return mesh.file.element_id[e]; }));
     write_vtk(deck.output + "/" + what + ".vtk",
               {title(deck, what), mesh.dim, mesh.degree, std::move(positions), mesh.elements, mesh.dim,
                std::move(point_data), std::move(cell_data), provenance(deck, problem), mesh.groups},
@@ -135,44 +141,29 @@ void write_stop(const Deck& deck, const Problem& problem, const Solution& soluti
     const std::vector<double> targets = constraint.targets(solution.x);
     const std::vector<int> boundary = boundary_of_nodes(mesh, problem.target);
     const Restriction around = neighbourhood(mesh, solution.diagnosis);
+    const std::vector<int>&nodes = around.node, &elements = around.element;
     std::vector<const CellType*> types;
-    std::vector<double> node_id, of_node, at_node, to_target;
-    for (const int i : around.node) {
-        node_id.push_back(static_cast<double>(mesh.file.node_id[i]));
-        of_node.push_back(boundary[i]);
-        at_node.push_back(i == solution.diagnosis.node);
+    for (const int e : elements) types.push_back(&mesh.cell(e));
+    VtkArray to_target{"to_target", dim, {}};
+    for (const int i : nodes) {
         const auto trace = std::lower_bound(constraint.nodes().begin(), constraint.nodes().end(), i);
         const bool has_target = trace != constraint.nodes().end() && *trace == i;
         const auto t = static_cast<int>(trace - constraint.nodes().begin());
         for (int a = 0; a < dim; ++a)
-            to_target.push_back(
+            to_target.value.push_back(
                 has_target ? problem.frame.length * (targets[offset(t, dim, a)] - point(solution.x, i, dim)[a]) : 0.0);
     }
-    std::vector<double> element_id, distortion, scaled_jacobian, at_element;
-    for (const int e : around.element) {
-        types.push_back(&mesh.cell(e));
-        element_id.push_back(static_cast<double>(mesh.file.element_id[e]));
-        distortion.push_back(solution.al.distortion.element_max[e]);
-        scaled_jacobian.push_back(solution.certificate.lower_bound[e]);
-        at_element.push_back(e == solution.diagnosis.element);
-    }
     write_vtk(deck.output + "/stop.vtk",
-              {title(deck, "stop"),
-               dim,
-               mesh.degree,
-               at_nodes(around.node, positions, dim),
-               around.elements,
-               dim,
-               {{"to_target", dim, std::move(to_target)},
-                {"node_id", 1, std::move(node_id)},
-                {"boundary", 1, std::move(of_node)},
-                {"diagnosis", 1, std::move(at_node)}},
-               {{"distortion", 1, std::move(distortion)},
-                {"min_scaled_jacobian", 1, std::move(scaled_jacobian)},
-                {"element_id", 1, std::move(element_id)},
-                {"diagnosis", 1, std::move(at_element)}},
-               provenance(deck, problem),
-               groups_of(types, mesh.degree)},
+              {title(deck, "stop"), dim, mesh.degree, at_nodes(nodes, positions, dim), around.elements, dim,
+               {std::move(to_target),
+                numbers("node_id", nodes, [&](int i) { return mesh.file.node_id[i]; }),
+                numbers("boundary", nodes, [&](int i) { return boundary[i]; }),
+                numbers("diagnosis", nodes, [&](int i) { return i == solution.diagnosis.node; })},
+               {numbers("distortion", elements, [&](int e) { return solution.al.distortion.element_max[e]; }),
+                numbers("min_scaled_jacobian", elements, [&](int e) { return solution.certificate.lower_bound[e]; }),
+                numbers("element_id", elements, [&](int e) { return mesh.file.element_id[e]; }),
+                numbers("diagnosis", elements, [&](int e) { return e == solution.diagnosis.element; })},
+               provenance(deck, problem), groups_of(types, mesh.degree)},
               format_of(deck));
 }
 
