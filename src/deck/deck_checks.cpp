@@ -24,23 +24,6 @@ void check_local_repair(const Deck& deck) {
     if (deck.split != Split::never) throw SettingError("split", "split", why);
 }
 
-// Algorithm 1 as printed weighs the penalty mu^2: the mu of a coarser mesh would mean something else.
-void check_start(const Deck& deck) {
-    if (deck.start == Start::coarse && deck.method.algorithm == Algorithm::literal)
-        throw SettingError("start", "start = coarse does not go with algorithm = literal; take start = identity");
-}
-
-void check_resume(const Deck& deck) {
-    if (deck.resume && deck.frames.empty())
-        throw SettingError("resume", "resume is for frames; try ", command_to_go_on(deck));
-}
-
-void check_method(const Deck& deck) {
-    if (deck.method.moving != MovingMethod::augmented_lagrangian && deck.distortion.objective == Objective::minimax)
-        throw SettingError("method", "objective = minimax does not go with this method: take method = "
-                           "augmented_lagrangian");
-}
-
 void check_improve(const Deck& deck) {
     if (!is_improved(deck.ideal)) return;
     for (const auto& [key, is_set] : {std::pair("frames", !deck.frames.empty()), {"start", deck.start == Start::coarse},
@@ -113,10 +96,15 @@ void check_times(const Deck& deck) try {
 }
 
 void check_keys(const Deck& deck) try {
-    check_start(deck);
-    check_resume(deck);
+    // Algorithm 1 as printed weighs the penalty mu^2: the mu of a coarser mesh would mean something else.
+    if (deck.start == Start::coarse && deck.method.algorithm == Algorithm::literal)
+        throw SettingError("start", "start = coarse does not go with algorithm = literal; take start = identity");
+    if (deck.resume && deck.frames.empty())
+        throw SettingError("resume", "resume is for frames; try ", command_to_go_on(deck));
     check_times(deck);
-    check_method(deck);
+    if (deck.method.moving != MovingMethod::augmented_lagrangian && deck.distortion.objective == Objective::minimax)
+        throw SettingError("method", "objective = minimax does not go with this method: take method = "
+                           "augmented_lagrangian");
     check_local_repair(deck);
     check_improve(deck);
 } catch (const SettingError& error) {
