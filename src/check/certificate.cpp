@@ -22,19 +22,21 @@ struct Bounds {
 };
 
 template <int n>
-class GroupBounds {
-public:
-    GroupBounds(const Mesh& mesh, const ElementGroup& group, const std::vector<double>& x,
-                const CertificateParams& params, std::vector<Bounds>& bounds)
-        : mesh_(mesh), cell_(*group.cell), x_(x), params_(params), bounds_(bounds),
-          basis_(cell_, mesh.degree), straight_(cell_, 1) {}
+struct GroupBounds {
+    const Mesh& mesh;
+    const CellType& cell;
+    const std::vector<double>& x;
+    const CertificateParams& params;
+    std::vector<Bounds>& bounds;
+    // Of the elements, and of the straight-sided ones on their vertices.
+    JacobianBasis basis{cell, mesh.degree}, straight{cell, 1};
 
     // Of some of its elements. sharp: by bisection; else by the coefficients alone.
     void bound(const std::vector<int>& elements, bool sharp) {
-        if (cell_.is_simplex() && mesh_.degree == 1)
+        if (cell.is_simplex() && mesh.degree == 1)
             return parallel_for(static_cast<int>(elements.size()), [&](int k) {
-                const double value = straight_scaled_jacobian<n>(mesh_.element(elements[k]), x_);
-                bounds_[elements[k]] = {value, value};
+                const double value = straight_scaled_jacobian<n>(mesh.element(elements[k]), x);
+                bounds[elements[k]] = {value, value};
             }, element_work);
         const int count = static_cast<int>(elements.size());
         parallel_for_uneven((count + lanes - 1) / lanes, [&](int batch) {
@@ -43,56 +45,48 @@ public:
         }, element_work * lanes);
     }
 
-private:
-    const Mesh& mesh_;
-    const CellType& cell_;
-    const std::vector<double>& x_;
-    const CertificateParams& params_;
-    std::vector<Bounds>& bounds_;
-    JacobianBasis basis_, straight_;  // of the elements, and of the straight-sided ones on their vertices
-
     // The determinant of the straight-sided elements, of other cells than simplices its mean.
     Lanes straight_determinant(const int* const* node) const {
-        if (!cell_.is_simplex()) {
-            ElementJacobian<n, Lanes> elements(straight_);
-            compute(elements, node, cell_.vertices);
-            return mean_determinant(elements, straight_);
+        if (!cell.is_simplex()) {
+            ElementJacobian<n, Lanes> elements(straight);
+            compute(elements, node, cell.vertices);
+            return mean_determinant(elements, straight);
         }
-        return abs(determinant(straight_jacobian<n>(node, x_)));
+        return abs(determinant(straight_jacobian<n>(node, x)));
     }
 
     // Of straight-sided elements. In a pyramid they have no layers, over which the mean would be weighted.
-    static Lanes mean_determinant(const ElementJacobian<n, Lanes>& elements, const JacobianBasis& basis) {
+    static Lanes mean_determinant(const ElementJacobian<n, Lanes>& elements, const JacobianBasis& of) {
         Lanes sum{};
-        for (int a = 0; a < basis.jacobian.count; ++a) sum += elements.coefficients(0)[a];
-        return abs(elements.unit() / basis.jacobian.count * sum);
+        for (int a = 0; a < of.jacobian.count; ++a) sum += elements.coefficients(0)[a];
+        return abs(elements.unit() / of.jacobian.count * sum);
     }
 
     void compute(ElementJacobian<n, Lanes>& elements, const int* const* node, int nodes) const {
-        for (int i = 0; i < nodes; ++i) elements.position(0)[i] = gathered<n>(node, i, x_);
+        for (int i = 0; i < nodes; ++i) elements.position(0)[i] = gathered<n>(node, i, x);
         elements.compute(1);
     }
 
     void bound_batch(const int* element, int count, bool sharp) {
         const int* node[lanes];
-        for (int l = 0; l < lanes; ++l) node[l] = mesh_.element(element[std::min(l, count - 1)]);
-        const Lanes of_vertices = mesh_.degree > 1 ? straight_determinant(node) : Lanes{};
-        ElementJacobian<n, Lanes> elements(basis_);
-        compute(elements, node, basis_.position.nodes);
+        for (int l = 0; l < lanes; ++l) node[l] = mesh.element(element[std::min(l, count - 1)]);
+        const Lanes of_vertices = mesh.degree > 1 ? straight_determinant(node) : Lanes{};
+        ElementJacobian<n, Lanes> elements(basis);
+        compute(elements, node, basis.position.nodes);
         const Lanes* const b = elements.coefficients(0);
         Lanes lower = b[0], upper = in_all_lanes(std::numeric_limits<double>::infinity()), sum{};
-        for (int a = 0; a < basis_.jacobian.count; ++a) {
+        for (int a = 0; a < basis.jacobian.count; ++a) {
             lower = select(b[a] < lower, b[a], lower);
             sum += b[a];
         }
-        for (const Bernstein::Corner& corner : basis_.jacobian.corners)
+        for (const Bernstein::Corner& corner : basis.jacobian.corners)
             upper = select(b[corner.place] < upper, b[corner.place], upper);
-        const Lanes straight = mesh_.degree > 1 ? of_vertices : mean_determinant(elements, basis_);
-        const Lanes scale = max(elements.unit() / straight, in_all_lanes(std::numeric_limits<double>::min()));
+        const Lanes mean = mesh.degree > 1 ? of_vertices : mean_determinant(elements, basis);
+        const Lanes scale = max(elements.unit() / mean, in_all_lanes(std::numeric_limits<double>::min()));
         const Lanes rounding = elements.rounding();
         const LaneBits has_frame = elements.has_frame();
         for (int l = 0; l < count; ++l) {
-            Bounds& of = bounds_[element[l]] = {0, 0};
+            Bounds& of = bounds[element[l]] = {0, 0};
             if (!has_frame[l] || !std::isfinite(sum[l])) continue;
             of = sharp ? sharp_bounds(b, l) : Bounds{lower[l], upper[l]};
             of = {scale[l] * (of.lower - rounding[l]), scale[l] * of.upper};
@@ -102,9 +96,9 @@ private:
     Bounds sharp_bounds(const Lanes* b, int lane) const {
         thread_local std::vector<double> c;
         c.clear();
-        for (int a = 0; a < basis_.jacobian.count; ++a) c.push_back(b[a][lane]);
+        for (int a = 0; a < basis.jacobian.count; ++a) c.push_back(b[a][lane]);
         const PolynomialMinimum minimum =
-            polynomial_minimum(basis_.jacobian, c.data(), params_.tolerance, params_.max_bisections);
+            polynomial_minimum(basis.jacobian, c.data(), params.tolerance, params.max_bisections);
         return {minimum.lower, minimum.upper};
     }
 };
@@ -126,7 +120,7 @@ void bound_all(const Mesh& mesh, const std::vector<double>& x, const Certificate
                 if (!sharp || (is_open && (of.lower < plainly_valid || of.lower < least))) elements.push_back(e);
             }
             if (elements.empty()) continue;
-            GroupBounds<n>(mesh, group, x, params, bounds).bound(elements, sharp || group.cell->is_simplex());
+            GroupBounds<n>{mesh, *group.cell, x, params, bounds}.bound(elements, sharp || group.cell->is_simplex());
         }
     }
 }

@@ -7,10 +7,6 @@
 namespace almesh {
 namespace {
 
-ElementRule whole_element(const CellType& cell, int degree, const Quadrature& quadrature) {
-    return {reference_element(cell, degree, quadrature), quadrature.weight};
-}
-
 template <class Items>
 auto find_element(Items& items, int element) {
     return std::find_if(items.begin(), items.end(), [element](const auto& item) { return item.element == element; });
@@ -21,9 +17,10 @@ auto find_element(Items& items, int element) {
 ElementRules::ElementRules(const CellType& cell, int degree, int exactness)
     : cell_(&cell),
       of_pieces_(RefinedRule::of_pieces(cell, degree, exactness)),
-      common_(std::make_shared<ElementRule>(
-          whole_element(cell, degree, element_quadrature(cell, degree, exactness)))),
-      valid_step_(cell, degree) {}
+      valid_step_(cell, degree) {
+    const Quadrature rule = element_quadrature(cell, degree, exactness);
+    common_ = std::make_shared<ElementRule>(ElementRule{reference_element(cell, degree, rule), rule.weight});
+}
 
 ElementRules ElementRules::part(const std::vector<int>& place) const {
     ElementRules of_part = *this;

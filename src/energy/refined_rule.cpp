@@ -8,12 +8,6 @@
 #include "linalg/dense_solve.hpp"
 
 namespace almesh {
-namespace {
-
-double barrier_weight(double volume, int dim) { return dim == 3 ? std::pow(volume, 4.0 / 9) : volume; }
-
-}  // namespace
-
 RefinedRule::RefinedRule(const CellType& cell) : cell_(&cell), dim_(cell.dim), pieces_{{{}, 1}} {
     for (std::size_t k = 0; k < pieces_[0].corner.size(); ++k) pieces_[0].corner[k][k] = 1;
 }
@@ -88,6 +82,7 @@ ElementRule RefinedRule::element(int degree, const Quadrature& rule) const {
     std::vector<double> volume;
     for (const Piece& piece : pieces_) {
         const double mean = mean_measure(piece), part = mean * piece.volume;
+        const double barrier = dim_ == 3 ? std::pow(part, 4.0 / 9) : part;
         for (int q = 0; q < rule.count; ++q) {
             const double* of_factor = &rule.xi[q * dim_];
             int first = 0;
@@ -105,7 +100,7 @@ ElementRule RefinedRule::element(int degree, const Quadrature& rule) const {
             double weight = rule.weight[q];
             if (const double above = 1 - all.xi.back(); cell_->is_collapsed)
                 weight *= cell_->volume() * (above > 0 ? 3 * above * above / mean : 1);
-            all.weight.push_back(barrier_weight(part, dim_) * weight);
+            all.weight.push_back(barrier * weight);
             volume.push_back(part * weight);
             ++all.count;
         }
