@@ -29,21 +29,7 @@ public:
     static constexpr bool points_in_lanes = std::is_same_v<Reference, PointLanes>;
     using Number = std::conditional_t<points_in_lanes, Lanes, double>;  // of the rule
 
-    CurvedBatch(const Reference& reference, const GradientProducts& products)
-        : of_(reference),
-          products_(products),
-          m_(reference.nodes),
-          size_(m_ * n),
-          position_(workspace(room())) {
-        ideal_position_ = position_ + size_;
-        gradient_ = ideal_position_ + size_;
-        hessian_ = gradient_ + size_;
-        separate_ = hessian_ + stride();
-        second_ = separate_ + stride();
-        moment_ = second_ + point_block * directions * entries;
-        barycentric_ = moment_ + products_.moments * directions * entries;
-        line_ = barycentric_ + products_.moments * pairs * entries;
-    }
+    CurvedBatch(const Reference& reference, const GradientProducts& products) : of_(reference), products_(products) {}
 
     // node: lanes x m nodes of the elements, x: nodes x n. node is looked at until the next start().
     void start(const int* node, const std::vector<double>& x, const IdealLanes<n>& ideal) {
@@ -148,21 +134,23 @@ private:
 
     const Reference& of_;
     const GradientProducts& products_;
-    const int m_, size_;
+    const int m_ = of_.nodes, size_ = m_ * n;
     const int* node_ = nullptr;
     bool is_ideal_curved_ = false;
     mutable Mat<n, Lanes> ideal_inverse_;  // A^{-1} and share_at() of the elements, or of the last point asked for
     mutable Lanes share_;
     Lanes inverse_mean_;      // 1 over the mean det A of curved ideal elements; 0 where they weigh nothing
-    Lanes* const position_;   // m x n, relative to the first node
-    Lanes* ideal_position_;   // the same of curved ideal elements
-    Lanes* gradient_;        // m x n
-    Lanes* hessian_;         // m x m blocks of n x n
-    Lanes* separate_;        // the gradient or Hessian, element after element
-    Lanes* second_;          // point_block x directions: C_kl, k <= l
-    Lanes* moment_;          // moments x directions: sums over the points of C_kl times a monomial
-    Lanes* barycentric_;     // moments x pairs: by barycentric coordinates v <= w
-    Lanes* line_;            // m: a row or column of blocks
+    Lanes* const position_ = workspace(room());          // m x n, relative to the first node
+    Lanes* const ideal_position_ = position_ + size_;     // the same of curved ideal elements
+    Lanes* const gradient_ = ideal_position_ + size_;     // m x n
+    Lanes* const hessian_ = gradient_ + size_;            // m x m blocks of n x n
+    Lanes* const separate_ = hessian_ + stride();         // the gradient or Hessian, element after element
+    Lanes* const second_ = separate_ + stride();          // point_block x directions: C_kl, k <= l
+    Lanes* const moment_ = second_ + point_block * directions * entries;  // moments x directions: sums over the points
+                                                                          // of C_kl times a monomial
+    Lanes* const barycentric_ = moment_ + products_.moments * directions * entries;  // moments x pairs: by barycentric
+                                                                                     // coordinates v <= w
+    Lanes* const line_ = barycentric_ + products_.moments * pairs * entries;  // m: a row or column of blocks
 
     std::size_t room() const {
         const std::size_t blocks = point_block * directions + products_.moments * (directions + pairs) + m_;

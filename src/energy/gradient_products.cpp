@@ -14,9 +14,7 @@ namespace almesh {
 GradientProducts::GradientProducts(int n, int degree)
     : nodes(simplex_node_count(n, degree)),
       moments(simplex_node_count(n, 2 * degree - 2)),
-      pairs((n + 1) * (n + 2) / 2),
-      term_start{0},
-      entry_start{0} {
+      pairs((n + 1) * (n + 2) / 2) {
     const Bernstein powers(n, degree);
     std::map<MultiIndex, int> moment;
     for (const MultiIndex& c : gmsh_node_order(n, 2 * degree - 2)) moment.insert({c, static_cast<int>(moment.size())});

@@ -29,10 +29,10 @@ struct GradientProducts {
 
     int nodes = 0, moments = 0, pairs = 0;  // m, powers of degree 2 p - 2, (n + 1) (n + 2) / 2
     // Of K'_ab, b <= a: the terms term_start[k] .. term_start[k + 1] - 1, k = a (a + 1) / 2 + b.
-    std::vector<int> term_start;
+    std::vector<int> term_start{0};
     std::vector<Term> term;
     // Of column i of T, but zeros: the entries entry_start[i] .. entry_start[i + 1] - 1.
-    std::vector<int> entry_start;
+    std::vector<int> entry_start{0};
     std::vector<Entry> entry;
 
     GradientProducts() = default;  // of cells that are no simplices: none

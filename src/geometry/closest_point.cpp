@@ -165,7 +165,7 @@ ClosestPoint::Nearest ClosestPoint::descend(const Patch& patch, const Vec<3>& x,
 }
 
 ClosestPoint::ClosestPoint(const PatchBasis& basis, const std::vector<Patch>& patches)
-    : form_(std::make_unique<SecondOrderForm>(basis.bernstein.dim, basis.bernstein.degree)) {
+    : form_(std::make_shared<SecondOrderForm>(basis.bernstein.dim, basis.bernstein.degree)) {
     constexpr std::array<Vec<3>, 3> corner = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     for (std::size_t f = 0; f < patches.size(); ++f)
         append_nearly_flat(basis.bernstein, {patches[f], static_cast<int>(f), corner}, 0);
@@ -176,8 +176,6 @@ ClosestPoint::ClosestPoint(const PatchBasis& basis, const std::vector<Patch>& pa
     margin_ = least_margin * length(whole.high - whole.low);
     tree_.emplace(std::move(boxes));
 }
-
-ClosestPoint::~ClosestPoint() = default;
 
 ClosestPoint::Place ClosestPoint::find(const Vec<3>& x, const std::function<bool(int patch)>& chosen) const {
     Place place;

@@ -20,7 +20,6 @@ class ClosestPoint {
 public:
     // patches: at least one, of the degree of the basis.
     ClosestPoint(const PatchBasis& basis, const std::vector<Patch>& patches);
-    ~ClosestPoint();
 
     struct Place {
         int patch = -1;
@@ -45,7 +44,7 @@ private:
     struct SecondOrderForm;
     struct Expansion;
 
-    std::unique_ptr<const SecondOrderForm> form_;
+    std::shared_ptr<const SecondOrderForm> form_;
     std::vector<Piece> pieces_;
     double margin_;
     std::optional<BoxTree> tree_;

@@ -109,11 +109,7 @@ Mat<n, Lanes> straight_jacobian(const int* const* node, const std::vector<double
 template <int n, class T>
 class ElementJacobian {
 public:
-    explicit ElementJacobian(const JacobianBasis& basis)
-        : of_(basis),
-          m_(basis.position.nodes),
-          count_(basis.jacobian.count),
-          normals_(basis.normal.count) {
+    explicit ElementJacobian(const JacobianBasis& basis) : of_(basis) {
         int vectors = 2 * m_ + basis.position.bernstein.count + (n == 3 ? 3 * normals_ : 0);
         for (const TangentBasis& t : basis.tangent) vectors += 2 * t.form.count;
         T* next = workspace(vectors * n + (n + 1) * count_);
@@ -172,7 +168,7 @@ public:
 
 private:
     const JacobianBasis& of_;
-    const int m_, count_, normals_;
+    const int m_ = of_.position.nodes, count_ = of_.jacobian.count, normals_ = of_.normal.count;
     Vec<n, T>* x_[2];
     Vec<n, T>* bezier_;         // coefficients of the position, of the end at work
     Vec<n, T>* tangent_[2][n];  // derivatives by xi_k of x and x', times their multinomials

@@ -53,10 +53,7 @@ CoarseCorrection::CoarseCorrection(const BlockCsr& pattern, Interpolation P, con
     : P_(std::move(P)),
       E_(coarse_pattern(pattern, P_)),
       M_(make(E_)),
-      iteration_(E_.size(), {most_iterations, coarse_tolerance}),
-      r_(E_.size()),
-      c_(E_.size()),
-      rc_(E_.size()) {
+      iteration_(E_.size(), {most_iterations, coarse_tolerance}) {
     const std::vector<char> interpolates = find_pattern(pattern);
     const int block = E_.d * E_.d;
     std::size_t size = 0;

@@ -75,8 +75,8 @@ private:
     LargeVector<double> E_part_;              // what the rows of a part add to E
     Groups touching_;                         // places in coarse_ of each coarse unknown
     std::vector<Four> sum_, c_part_;          // for each place in coarse_: P'r - V'y of the part; c
-    std::vector<double> r_, c_;               // of the coarse unknowns
-    TeamSum rc_;
+    std::vector<double> r_ = std::vector<double>(E_.size()), c_ = r_;  // of the coarse unknowns
+    TeamSum rc_{E_.size()};
 };
 
 }  // namespace almesh

@@ -19,20 +19,6 @@ double Preconditioner::apply_and_multiply(const BlockCsr& A, const double* r, do
     return rz;
 }
 
-ConjugateGradients::ConjugateGradients(int size, const KrylovParams& params)
-    : size_(size),
-      params_(params),
-      r_(size),
-      z_(size),
-      p_(size),
-      q_(size),
-      Az_(size),
-      zq_(size),
-      zAz_(size),
-      pAp_(size),
-      rr_(size),
-      true_rr_(size) {}
-
 // r = b - A x; returns |r|.
 double ConjugateGradients::residual(const BlockCsr& A, const double* b, const double* x) {
     return std::sqrt(true_rr_([&](int i, int count) {

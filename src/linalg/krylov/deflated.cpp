@@ -35,15 +35,7 @@ BlockCsr coarse_pattern(const BlockCsr& A, const std::vector<int>& group) {
 }  // namespace
 
 CoarseSpace::CoarseSpace(const BlockCsr& pattern, bool in_single)
-    : group_(grouped(graph_of(pattern))),
-      E_(coarse_pattern(pattern, group_)),
-      members_(sorted_by_group(group_, groups())),
-      in_single_(in_single),
-      factor_(E_),
-      part_sum_(offset(parts, groups())),
-      r_(E_.size()),
-      Az_(E_.size()),
-      c_(E_.size()) {
+    : group_(grouped(graph_of(pattern))), E_(coarse_pattern(pattern, group_)), in_single_(in_single) {
     AZ_.n = pattern.n;
     AZ_.d = pattern.d;
     AZ_.row.assign(1, 0);

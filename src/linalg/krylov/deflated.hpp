@@ -64,15 +64,15 @@ private:
 
     std::vector<int> group_;         // of each node
     BlockCsr E_;
-    Groups members_;                 // nodes of each group
+    Groups members_ = sorted_by_group(group_, groups());  // nodes of each group
     BlockCsr AZ_;                    // A Z: a block row per node, a block column per group; its values here or in
     LargeVector<float> single_;
     bool in_single_;
     std::vector<int> place_;         // block of A Z for every block of A
     std::vector<int> coarse_place_;  // block of E for every block of A Z
-    Cholesky factor_;
-    std::vector<Four> part_sum_;     // parts x groups: of (A Z)' z
-    std::vector<double> r_, Az_, c_;  // groups*d: Z'r, Z'A z, c
+    Cholesky factor_{E_};
+    std::vector<Four> part_sum_ = std::vector<Four>(offset(parts, groups()));     // parts x groups: of (A Z)' z
+    std::vector<double> r_ = std::vector<double>(E_.size()), Az_ = r_, c_ = r_;  // groups*d: Z'r, Z'A z, c
     double rZc_ = 0, AzZc_ = 0;      // r'Z c, (A z)'Z c
 };
 

@@ -57,11 +57,7 @@ public:
           correction_(std::move(correction)),
           C_inverse_(offset(pattern.n, block)),
           C_diagonal_(offset(pattern.n, d)),
-          y_(pattern.n),
-          w_(y_.data()),
-          forward_(start_.size()),
-          backward_(start_.size()),
-          bad_(domains()) {
+          y_(pattern.n) {
         find_pattern(pattern);
         find_links();
     }
@@ -412,12 +408,12 @@ private:
     std::vector<double> C_diagonal_;          // d per row
     std::vector<Four> y_;                     // n: (I + L) y = C^{-1} r, d entries each and zeros
     std::vector<Four> kept_;                  // n, or none
-    Four* w_;                                 // n: (I + L') w = y, in kept_ or in the place of y
+    Four* w_ = y_.data();                     // n: (I + L') w = y, in kept_ or in the place of y
     bool keeps_forward_ = false;
     std::vector<double> T_;                   // d*d per block of the longest row, for each domain and the separators
-    std::vector<Products> forward_;           // the sums over each domain, and the separators
-    std::vector<Products> backward_;          // the same of the sweep back
-    std::vector<int> bad_;                    // first bad row of each domain, or -1
+    // The sums over each domain, and the separators, of the sweep forward and of that back.
+    std::vector<Products> forward_ = std::vector<Products>(start_.size()), backward_ = forward_;
+    std::vector<int> bad_ = std::vector<int>(domains());  // first bad row of each domain, or -1
     int longest_ = 0;                         // blocks of the longest row
 };
 
@@ -430,7 +426,7 @@ std::unique_ptr<Preconditioner> make_ilu0(const BlockCsr& pattern, std::vector<i
     std::unique_ptr<Preconditioner> made;
     with_block_size(pattern.d, [&](auto d) {
         made = std::make_unique<Ilu0<d>>(pattern, std::move(start), std::move(diagonal_shifts), sweeps,
-                                                 std::move(correction));
+                                         std::move(correction));
     });
     return made;
 }

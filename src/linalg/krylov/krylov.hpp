@@ -128,7 +128,7 @@ struct KrylovParams {
 // threads.
 class ConjugateGradients {
 public:
-    ConjugateGradients(int size, const KrylovParams& params);
+    ConjugateGradients(int size, const KrylovParams& params) : size_(size), params_(params) {}
 
     void set_tolerance(double tolerance) { params_.tolerance = tolerance; }
 
@@ -150,10 +150,12 @@ private:
 
     int size_;
     KrylovParams params_;
-    std::vector<double> r_, z_, p_, q_;  // size: residual, M^{-1} r, search direction, A p of the direction before
-    std::vector<double> Az_;             // size
-    TeamSum zq_, zAz_, pAp_;             // pAp_: by a product with A
-    TeamSum rr_, true_rr_;               // r'r by the recurrence, and by a product with A
+    std::vector<double> zeros() const { return std::vector<double>(size_); }
+
+    // Residual, M^{-1} r, search direction, A p of the direction before, A z.
+    std::vector<double> r_ = zeros(), z_ = zeros(), p_ = zeros(), q_ = zeros(), Az_ = zeros();
+    TeamSum zq_{size_}, zAz_{size_}, pAp_{size_};  // pAp_: by a product with A
+    TeamSum rr_{size_}, true_rr_{size_};           // r'r by the recurrence, and by a product with A
 };
 
 // GMRES(m), m = restart, preconditioned from the right: minimises |b - A x|_2 over x_0 + M^{-1} K_m(A M^{-1}, r_0) by
