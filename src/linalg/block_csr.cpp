@@ -37,10 +37,7 @@ void multiply_blocks(const BlockCsr& A, int begin, int end, const double* x, dou
 BlockCsr pattern_of_cells(int n, int d, const std::vector<int>& cells, int cell_nodes, LargeVector<int>* place) {
     const Groups around = sorted_by_group(cells, n);  // node i is cells[k] for the k of around.of(i)
     const auto cell_of = [&](int k) { return &cells[k / cell_nodes * cell_nodes]; };
-    BlockCsr A;
-    A.n = n;
-    A.d = d;
-    A.row.assign(n + 1, 0);
+    BlockCsr A{n, d, std::vector<int>(n + 1, 0)};
     const int blocks = (n + row_block - 1) / row_block;
     std::vector<std::vector<int>> columns(blocks);  // of each block of rows
     in_team(n >= parallel_work, [&] {
@@ -82,10 +79,7 @@ BlockCsr pattern_of_cells(int n, int d, const std::vector<int>& cells, int cell_
 }
 
 BlockCsr joint_pattern(const std::vector<const BlockCsr*>& patterns, std::vector<LargeVector<int>>& place) {
-    BlockCsr A;
-    A.n = patterns.front()->n;
-    A.d = patterns.front()->d;
-    A.row.assign(1, 0);
+    BlockCsr A{patterns.front()->n, patterns.front()->d, {0}};
     for (const BlockCsr* of : patterns) place.emplace_back(of->col.size());
     for (int i = 0; i < A.n; ++i) {
         for (const BlockCsr* of : patterns)
@@ -164,10 +158,7 @@ RowOrder row_order(std::vector<int> node, std::vector<int> start) {
 
 BlockCsr ordered_pattern(const BlockCsr& pattern, std::shared_ptr<const RowOrder> order, LargeVector<int>& place) {
     const std::vector<int>&node = order->node, &row = order->row;
-    BlockCsr A;
-    A.n = pattern.n;
-    A.d = pattern.d;
-    A.row.assign(1, 0);
+    BlockCsr A{pattern.n, pattern.d, {0}};
     for (int v : node) A.row.push_back(A.row.back() + pattern.row[v + 1] - pattern.row[v]);
     std::vector<int> source(pattern.col.size());  // block of the pattern for each block of A
     A.col.resize(source.size());

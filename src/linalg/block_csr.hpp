@@ -44,9 +44,9 @@ RowOrder row_order(std::vector<int> node, std::vector<int> start = {});
 struct BlockCsr {
     int n = 0;                  // block rows = block columns
     int d = 1;                  // block size
-    std::vector<int> row;       // n + 1 offsets into col
-    std::vector<int> col;       // block columns, ascending within a row
-    LargeVector<double> value;  // d*d per block
+    std::vector<int> row = {};       // n + 1 offsets into col
+    std::vector<int> col = {};       // block columns, ascending within a row
+    LargeVector<double> value = {};  // d*d per block
     std::shared_ptr<const RowOrder> order = {};  // none: row i is that of node i
 
     int row_of(int node) const { return order ? order->row[node] : node; }

@@ -1,5 +1,4 @@
-// For every front in postorder: assemble its columns of A, extend-add the update matrices of the children, partial
-// dense Cholesky. A solve is L y = b in the same order, then L' x = y in the reverse one.
+// Fronts are factored in postorder. A solve is L y = b in the same order, then L' x = y in the reverse one.
 #include "linalg/direct/cholesky.hpp"
 
 #include <algorithm>

@@ -24,10 +24,7 @@ BlockCsr coarse_pattern(const BlockCsr& A, const Interpolation& P) {
     std::vector<int> row_of;  // of each entry of P
     for (int i = 0; i < P.rows(); ++i) row_of.insert(row_of.end(), P.row[i + 1] - P.row[i], i);
     const Groups entries = sorted_by_group(P.col, P.columns);
-    BlockCsr E;
-    E.n = P.columns;
-    E.d = A.d;
-    E.row.assign(1, 0);
+    BlockCsr E{P.columns, A.d, {0}};
     std::vector<int> seen(P.columns, -1);
     for (int c = 0; c < P.columns; ++c) {
         const std::size_t first = E.col.size();

@@ -1,5 +1,4 @@
-// z = M^{-1} r and A z or Z'A z, then z += Z c and A z += (A Z) c with E c = Z'(r - A z). A Z has a row for each node
-// and a block for each group next to it; E is factored by sparse Cholesky.
+// A Z has a row for each node and a block for each group next to it; E is factored by sparse Cholesky.
 #include "linalg/krylov/deflated.hpp"
 
 #include <algorithm>
@@ -36,9 +35,7 @@ BlockCsr coarse_pattern(const BlockCsr& A, const std::vector<int>& group) {
 
 CoarseSpace::CoarseSpace(const BlockCsr& pattern, bool in_single)
     : group_(grouped(graph_of(pattern))), E_(coarse_pattern(pattern, group_)), in_single_(in_single) {
-    AZ_.n = pattern.n;
-    AZ_.d = pattern.d;
-    AZ_.row.assign(1, 0);
+    AZ_ = {pattern.n, pattern.d, {0}};
     place_.resize(pattern.blocks());
     std::vector<int> place_of(groups(), -1);  // of a group in the current row
     for (int i = 0; i < pattern.n; ++i) {
