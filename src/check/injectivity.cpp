@@ -172,22 +172,16 @@ void measure_contacts(const Mesh& mesh, const std::vector<double>& x, const std:
     const FacePatches faces(mesh);
     std::vector<Vec<3>> points;
     std::vector<int> face;  // of each point
-    const auto add = [&](const auto& self, const Patch& patch, int f, int bisections) -> void {
-        if (bisections == 0) {
-            points.insert(points.end(), patch.begin(), patch.begin() + mesh.dim);
-            face.insert(face.end(), mesh.dim, f);
-            return;
-        }
-        const auto [a, b] = longest_edge(patch, {mesh.dim - 1, 0, 0});
-        const auto [first, second] = bisect(faces.basis.bernstein, patch, a, b);
-        self(self, first, f, bisections - 1);
-        self(self, second, f, bisections - 1);
+    const auto add = [&](const Patch& piece, int f) {
+        points.insert(points.end(), piece.begin(), piece.begin() + mesh.dim);
+        face.insert(face.end(), mesh.dim, f);
     };
     std::vector<Patch> patches;
     for (int f = 0; f < mesh.face_count(); ++f)
         for (const Patch& patch : faces.of(f, x)) {
             patches.push_back(patch);
-            if (contact_of(mesh, f)) add(add, patch, f, 2 * mesh.dim);
+            if (!contact_of(mesh, f)) continue;
+            for_pieces(faces.basis.bernstein, patch, 2 * mesh.dim, [&](const Patch& piece) { add(piece, f); });
         }
     const ClosestPoint boundary(faces.basis, patches);
     const auto is_away = [&](int k, int e) {

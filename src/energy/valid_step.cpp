@@ -162,26 +162,26 @@ LaneBits cleared(const JacobianBasis& basis, const int* const* node, const std::
     return clear;
 }
 
-}  // namespace
-
-ValidStep::ValidStep(const CellType& cell, int degree) : dim_(cell.dim), element_nodes_(cell.node_count(degree)) {
-    if (degree > 1 || !cell.is_simplex()) basis_ = std::make_shared<const JacobianBasis>(cell, degree);
-}
-
 // node: the nodes of each lane; `first`: number of the first of the `count` elements.
 template <int n>
-double ValidStep::of_batch(const int* const* node, int count, const std::vector<double>& from,
-                           const std::vector<double>& to, int first, std::vector<Inversion>& inversions) const {
-    if (!basis_) return straight_fraction<n>(node, count, from, to);
+double of_batch(const JacobianBasis* basis, const int* const* node, int count, const std::vector<double>& from,
+                const std::vector<double>& to, int first, std::vector<Inversion>& inversions) {
+    if (!basis) return straight_fraction<n>(node, count, from, to);
     double fraction = 1;
-    const LaneBits clear = cleared<n>(*basis_, node, from, to);
+    const LaneBits clear = cleared<n>(*basis, node, from, to);
     for (int l = 0; l < count; ++l) {
         if (clear[l]) continue;
-        SlowCheck<n> check(*basis_, node[l], from, to);
+        SlowCheck<n> check(*basis, node[l], from, to);
         fraction = std::min(fraction, check.until(0, 1, curved_bisections));
         if (check.inversion) inversions.push_back({first + l, check.inversion->at, check.inversion->ratio});
     }
     return fraction;
+}
+
+}  // namespace
+
+ValidStep::ValidStep(const CellType& cell, int degree) : dim_(cell.dim), element_nodes_(cell.node_count(degree)) {
+    if (degree > 1 || !cell.is_simplex()) basis_ = std::make_shared<const JacobianBasis>(cell, degree);
 }
 
 double ValidStep::fraction(const std::vector<int>& node, int count, const std::vector<double>& from,
@@ -200,7 +200,8 @@ double ValidStep::fraction(const std::vector<int>& node, int count, const std::v
                 const int* of_lane[lanes];
                 for (int l = 0; l < lanes; ++l) of_lane[l] = &node[offset(std::min(k + l, count - 1), element_nodes_)];
                 const int in_use = std::min(lanes, count - k);
-                task.fraction = std::min(task.fraction, of_batch<n>(of_lane, in_use, from, to, k, task.inversions));
+                task.fraction = std::min(task.fraction, of_batch<n>(basis_.get(), of_lane, in_use, from, to, k,
+                                                                     task.inversions));
             }
         }, (basis_ ? curved_work : work) * task_size);
     });

@@ -48,10 +48,6 @@ public:
 private:
     int dim_, element_nodes_;
     std::shared_ptr<const JacobianBasis> basis_;  // none for straight simplices
-
-    template <int n>
-    double of_batch(const int* const* node, int count, const std::vector<double>& from, const std::vector<double>& to,
-                    int first, std::vector<Inversion>& inversions) const;
 };
 
 }  // namespace almesh

@@ -111,22 +111,15 @@ std::vector<double> windings(const Bernstein& basis, const std::vector<Patch>& p
     for (int i = 0; i < count; ++i)
         if (squared_distance(whole, points[i]) == 0) (is_near[i] ? near : far).push_back(i);
     std::vector<double> sum(count, 0.0);
-    const auto add = [&](const auto& self, const Patch& patch, const std::vector<int>& seen, int bisections) -> void {
-        if (bisections > 0) {
-            const auto [a, b] = longest_edge(patch, {m, 0, 0});
-            const auto [first, second] = bisect(basis, patch, a, b);
-            self(self, first, seen, bisections - 1);
-            self(self, second, seen, bisections - 1);
-            return;
-        }
+    const auto add = [&](const Patch& patch, const std::vector<int>& seen) {
         for (const int i : seen) {
             const Vec<3> u = patch[0] - points[i], v = patch[1] - points[i];
             sum[i] += m == 1 ? std::atan2(cross(u, v)[2], dot(u, v)) : 0.5 * solid_angle(u, v, patch[2] - points[i]);
         }
     };
     for (const Patch& patch : patches) {
-        add(add, patch, far, 0);
-        if (!near.empty()) add(add, patch, near, depth);
+        add(patch, far);
+        if (!near.empty()) for_pieces(basis, patch, depth, [&](const Patch& piece) { add(piece, near); });
     }
     for (double& turns : sum) turns /= 2 * std::numbers::pi;
     return sum;

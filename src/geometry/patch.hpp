@@ -86,6 +86,16 @@ Vec<3> edge_tangent(const Bernstein& basis, const Patch& patch, int i, int j);
 // The halves beside corner a (midpoint in place of corner b) and beside corner b.
 std::pair<Patch, Patch> bisect(const Bernstein& basis, const Patch& patch, int a, int b);
 
+// body(piece) of the pieces after so many bisections across the longest edges of a simplex.
+template <class Body>
+void for_pieces(const Bernstein& basis, const Patch& patch, int bisections, const Body& body) {
+    if (bisections == 0) return body(patch);
+    const auto [a, b] = longest_edge(patch, {basis.dim, 0, 0});
+    const auto [first, second] = bisect(basis, patch, a, b);
+    for_pieces(basis, first, bisections - 1, body);
+    for_pieces(basis, second, bisections - 1, body);
+}
+
 // The edge with the longest control polygon, of a factor at the corners of the others: entries of multi-indices. By
 // its chord, an edge that turns back on itself would be a short one: bisections of the others would leave it whole for
 // ever.
