@@ -211,6 +211,7 @@ Mesh oriented_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds fo
     mesh.file.zones = raw.zones;
     mesh.file.entities = raw.entities;
     mesh.file.sections = raw.sections;
+    mesh.file.periodic = raw.periodic;
     select(build, repeated);
     number_nodes(build);
     if (mesh.dim == 2) check_flat(build);

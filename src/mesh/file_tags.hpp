@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/small_matrix.hpp"
+
 namespace almesh {
 
 struct PhysicalGroup {
@@ -62,6 +64,15 @@ struct FileEntity {
     std::array<double, 6> box{};  // least and greatest coordinates; of a point, its own twice
 };
 
+// Two sides that a file calls periodic, points of one being R x + t for those of the other, its master.
+struct PeriodicSides {
+    int dim, slave, master;  // dimension and tags of their entities; tags 0: the file does not name the sides
+    Mat<3> R;                // a rotation
+    Vec<3> t;
+
+    Vec<3> image(const Vec<3>& x) const { return Vec<3>{dot(R[0], x), dot(R[1], x), dot(R[2], x)} + t; }
+};
+
 // A node that the file does not have, in the middle of a cell of 8, 20, 15 or 13 nodes: a sum of others.
 struct ImpliedNode {
     int node;
@@ -92,6 +103,7 @@ struct FileTags {
     std::vector<FileEntity> entities;  // ascending by key, of MSH 4
     std::vector<std::string> sections;  // what the file has besides the mesh: "$NodeData", "NPERIODIC", ...
     std::vector<PhysicalGroup> groups;
+    std::vector<PeriodicSides> periodic;
     int zones = 1;  // of SU2: several are meshes of their own, which may touch and lie over each other
     FileFormat format;
     CoordinateFields coordinates;      // of the first nodes of the mesh, and in its dimension; empty: it has others, too

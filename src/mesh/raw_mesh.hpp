@@ -37,6 +37,7 @@ struct RawMesh {
     std::vector<RawElement> elements;
     std::vector<int> element_nodes;  // indices into nodes
     std::vector<PhysicalGroup> groups;
+    std::vector<PeriodicSides> periodic;
     std::vector<FileEntity> entities;       // ascending by key; empty where the format has none
     int zones = 1;                          // of SU2: where there are several, the entity of an element is its zone
     std::vector<ImpliedNode> implied;       // added to the others
