@@ -2,12 +2,14 @@
 // allocates is bounded by the length of the rest of the file.
 #include <algorithm>
 #include <climits>
+#include <optional>
 #include <set>
 #include <utility>
 
 #include "io/foreign_cells.hpp"
 #include "io/msh.hpp"
 #include "io/msh_scanner.hpp"
+#include "mesh/periodic.hpp"
 
 namespace almesh {
 namespace {
@@ -19,6 +21,7 @@ struct MshReader {
     MshType type{0};  // of the element or block being read
     ForeignMshElements foreign{};
     bool has_dimensions = true;  // of groups beside their names, which MSH 2.0 may not have: a name is for all then
+    std::optional<MshScanner> at_periodic{};  // where $Periodic is
 
     bool in_blocks() const { return in.version >= 40; }
     int line() const { return in.binary ? 0 : in.line; }
@@ -32,6 +35,7 @@ struct MshReader {
         if (in.binary) mesh.coordinates.form = CoordinateFields::Form::float64;
         mesh.coordinates.order = in.order;
         name_entities();
+        periodic();
         mesh.format = {".msh", in.version, in.binary};
         return std::move(mesh);
     }
@@ -52,7 +56,10 @@ struct MshReader {
         else if (name == "$Nodes" || name == "$ParametricNodes" || name == "$NOD") nodes(name);
         else if (name == "$Elements" || name == "$ELM") elements();
         else if (name == "$PartitionedEntities") partitioned_entities();
-        else skip_section(end);
+        else {
+            if (name == "$Periodic") at_periodic.emplace(in);
+            skip_section(end);
+        }
         if (!in.next_line()) {
             const std::string message = concat("the file is cut off: ", name, " has no ", end);
             in.binary ? in.fail(message) : in.fail_at(first_line, message);
@@ -92,6 +99,47 @@ struct MshReader {
             in.at = begin;
             return;
         }
+    }
+
+    // Once all nodes are known. The section is text in MSH 2.2; what cannot be read is no reason to refuse the mesh.
+    void periodic() try {
+        if (!at_periodic || in.version == 40) return;
+        MshScanner& from = *at_periodic;
+        from.binary = from.binary && in_blocks();
+        from.begin_numbers();
+        int dim = 0;  // of the mesh
+        for (const RawElement& element : mesh.elements) dim = std::max(dim, element.dim);
+        const long long count = from.size("the number of periodic entities", 0, LLONG_MAX);
+        for (long long k = 0; k < count; ++k) {
+            next_record(from);
+            PeriodicSides sides{};
+            sides.dim = from.integer("the dimension", 0, 2);
+            sides.slave = from.integer("the tag of an entity", 1);
+            sides.master = from.integer("the tag of its master", 1);
+            next_record(from);
+            if (in_blocks()) from.skip_reals(static_cast<int>(from.size("the numbers of a transformation", 0, 16)));
+            if (in_blocks() || *from.at == 'A') next_record(from);  // Affine
+            std::vector<std::pair<Vec<3>, Vec<3>>> points;
+            const long long nodes = from.size("the number of pairs of nodes", 0, INT_MAX);
+            for (long long i = 0; i < nodes; ++i) {
+                next_record(from);
+                const int slave = node_index.find(from.id("a node id")), master = node_index.find(from.id("a node id"));
+                if (slave >= 0 && master >= 0)
+                    points.emplace_back(std::to_array(mesh.nodes[master].x), std::to_array(mesh.nodes[slave].x));
+            }
+            if (sides.dim != dim - 1) continue;
+            if (fit(points, sides)) mesh.periodic.push_back(sides);
+            else mesh.notes.push_back(concat("periodic sides do not move as one: the nodes of entity ", sides.slave,
+                                             " are not those of its master ", sides.master, " rotated and moved"));
+        }
+    } catch (const InputError& error) {
+        mesh.notes.push_back(concat("periodic sides are not known: ", error.what()));
+    }
+
+    static void next_record(MshScanner& from) {
+        if (from.binary) return;
+        from.rest_of_line();
+        from.next_line();
     }
 
     // Goes to record `done` (from 0) of `count`, which in a binary file follows at once.

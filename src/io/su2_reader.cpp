@@ -24,6 +24,7 @@ struct Su2Reader {
     int row_line = 0;                               // where the row that is read begins
     std::map<std::pair<const CellType*, int>, std::vector<int>> orders{};  // of nodes, by cell and degree
     std::vector<int> zone_of_group{};
+    Vec<3> centre{}, angles{};  // of a periodic transformation
 
     RawMesh read() {
         std::string last;  // keyword
@@ -34,6 +35,7 @@ struct Su2Reader {
                 in.fail("expected `KEYWORD= VALUE`, got ", in_backquotes(in.rest_of_line().substr(0, 40)),
                         last.starts_with("N") ? ": more rows than " + last + " announces" : "");
             if (!keyword.empty()) last = keyword;
+            if (keyword.starts_with("PERIODIC_")) periodic(keyword);
             if (is_known(keyword)) known(keyword);
             else if (!keyword.empty() && std::find(others.begin(), others.end(), keyword) == others.end())
                 others.push_back(keyword);
@@ -78,6 +80,29 @@ struct Su2Reader {
                  [&](int) { element(dim, mesh.zones > 1 ? begun : 0); });
         else if (keyword == "NPOIN") points();
         else markers();
+    }
+
+    // Of each transformation its centre, the angles about x, y and z in radians, and the translation, the last. What
+    // is not that is passed over.
+    void periodic(const std::string& keyword) {
+        const std::vector<std::string_view> numbers = words(std::string_view(in.at, std::find(in.at, in.end, '\n')));
+        Vec<3> value{};
+        for (std::size_t a = 0; a < std::min<std::size_t>(3, numbers.size()); ++a)
+            value[a] = parse_double(numbers[a]).value_or(0);
+        if (keyword == "PERIODIC_CENTER") centre = value;
+        if (keyword == "PERIODIC_ROTATION") angles = value;
+        if (!keyword.starts_with("PERIODIC_TRANSLAT")) return;
+        PeriodicSides sides{dim - 1, 0, 0, {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, {}};
+        for (int a = 0; a < 3; ++a) {
+            Mat<3> turn{};
+            turn[a][a] = 1;
+            const int b = (a + 1) % 3, c = (a + 2) % 3;
+            turn[b][b] = turn[c][c] = std::cos(angles[a]);
+            turn[b][c] = -(turn[c][b] = std::sin(angles[a]));
+            sides.R = multiply<3>(turn, sides.R);
+        }
+        sides.t = value + centre - sides.image(centre);
+        mesh.periodic.push_back(sides);
     }
 
     void dimension() {
