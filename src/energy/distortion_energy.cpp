@@ -25,6 +25,15 @@ void DistortionEnergy::order_hessian(const ChooseOrder& choose) {
     blocks_moved(place);
 }
 
+void DistortionEnergy::set_pairs(const PeriodicPairs& pairs) {
+    pairs_ = pairs;
+    if (pairs.pairs.empty()) return;
+    const BlockCsr more = pairs.pattern(pattern_);
+    std::vector<LargeVector<int>> place;
+    pattern_ = joint_pattern({&pattern_, &more}, place);
+    blocks_moved(place[0]);
+}
+
 double DistortionEnergy::uniform(double eta) const {
     return volume_ * with_density(params_, [eta](auto density) { return density.f(eta); });
 }

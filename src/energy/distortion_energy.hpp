@@ -29,6 +29,7 @@
 #include "energy/options.hpp"
 #include "linalg/block_csr.hpp"
 #include "mesh/mesh.hpp"
+#include "mesh/periodic.hpp"
 #include "mesh/restriction.hpp"
 
 namespace almesh {
@@ -55,6 +56,9 @@ public:
     // Reorders the rows of the Hessian as `choose` says for its pattern; null leaves them as they are.
     using ChooseOrder = std::function<std::shared_ptr<const RowOrder>(const BlockCsr& pattern)>;
     void order_hessian(const ChooseOrder& choose);
+    // Nodes that whoever minimises E has to eliminate: the pattern gets room for that. Before order_hessian().
+    void set_pairs(const PeriodicPairs& pairs);
+    const PeriodicPairs& pairs() const { return pairs_; }
     virtual DistortionStatistics statistics(const std::vector<double>& x) = 0;
 
     // Restriction to the nodes with moves[i]: the energy of the elements at these nodes, with the same weights. around:
@@ -99,6 +103,8 @@ protected:
     double volume_ = 0;  // |Omega|
 
 private:
+    PeriodicPairs pairs_;
+
     virtual void blocks_moved(const LargeVector<int>&) = 0;  // place[b]: where block b of the pattern is now
 };
 

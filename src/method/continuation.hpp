@@ -40,6 +40,7 @@ struct Level {
     double turn = 0;
 
     bool is_worth_little = false;  // a coarser mesh: solved at once, in few steps
+    PeriodicPairs pairs = {};
 
     bool is_valid(const std::vector<double>& x) const;  // certified everywhere in every element
     std::vector<char> on_boundary() const;              // per node: whether the constraint acts on it

@@ -65,6 +65,7 @@ void Derivative::assemble(HessianKind kind) {
     is_factored_ = false;
     std::fill(H_.value.begin(), H_.value.end(), 0.0);
     energy_.add_hessian(x_, kind, H_);
+    energy_.pairs().fold(H_);
     std::copy(H_.value.begin(), H_.value.end(), A_.value.begin());
     on_target_.project(A_);
 }
@@ -124,10 +125,12 @@ std::vector<double> Derivative::tangent(const BoundaryChange& change) {
     on_target_.project(b);
     std::vector<double> dx = solve(b, kappa_.u, kappa_.v);
     axpy(1, change.shift, dx);
+    energy_.pairs().spread(dx);
     return dx;
 }
 
-BoundaryChange Derivative::adjoint(const std::vector<double>& dJ_dx) {
+BoundaryChange Derivative::adjoint(std::vector<double> dJ_dx) {
+    energy_.pairs().fold(dJ_dx);
     std::vector<double> b = dJ_dx;
     for (double& entry : b) entry = -entry;
     on_target_.project(b);

@@ -49,7 +49,7 @@ public:
     // There: dx; dJ/dG and dJ/dq. With the factor of P (H + K) P, by Cholesky unless `linear` says otherwise or it does
     // not fit the memory. As polish() they throw Error, which says why x has no derivative.
     std::vector<double> tangent(const BoundaryChange& change);
-    BoundaryChange adjoint(const std::vector<double>& dJ_dx);
+    BoundaryChange adjoint(std::vector<double> dJ_dx);
 
     // r and D'f of the boundary nodes at x under another constraint, with the same f; and the change of the boundary
     // with such a residual.

@@ -46,7 +46,8 @@ struct Functional {
     virtual Correction correction(const std::vector<double>& /*x*/, const std::vector<double>& /*d*/) const {
         return {};
     }
-    virtual void fix(std::vector<double>& /*d*/) const {}  // sets the entries of fixed nodes to zero
+    // Sets the entries of fixed nodes to zero, and those of nodes that are eliminated to what others give them.
+    virtual void fix(std::vector<double>& /*d*/) const {}
     // The functional of the nodes with moves[i] alone; fixed nodes are excluded.
     virtual std::unique_ptr<LocalFunctional> part(const std::vector<double>& x, std::vector<char> moves) const = 0;
 };
@@ -82,7 +83,8 @@ struct AugmentedFunctional : Functional {
         std::fill(g.begin(), g.end(), 0.0);
         distortion.add_gradient(x, g);
         constraint.add_gradient(x, lambda, penalty, g);
-        fix(g);
+        distortion.pairs().fold(g);
+        fix_nodes(fixed, distortion.dim(), g);
     }
 
     std::vector<double> gradient(const std::vector<double>& x) const {
@@ -96,6 +98,7 @@ struct AugmentedFunctional : Functional {
         parallel_for(H.n, [&H](int i) { std::fill(H.block(H.row[i]), H.block(H.row[i + 1]), 0.0); });
         distortion.add_hessian(x, kind, H, projection);
         constraint.add_hessian(x, lambda, penalty, kind != HessianKind::full, H);
+        distortion.pairs().fold(H);
         fix_nodes(fixed, H);
     }
 
@@ -119,7 +122,10 @@ struct AugmentedFunctional : Functional {
         return [this, &x, &d](double t, std::vector<double>& y) { constraint.correct(x, d, t, y); };
     }
 
-    void fix(std::vector<double>& d) const override { fix_nodes(fixed, distortion.dim(), d); }
+    void fix(std::vector<double>& d) const override {
+        fix_nodes(fixed, distortion.dim(), d);
+        distortion.pairs().spread(d);
+    }
     std::unique_ptr<LocalFunctional> part(const std::vector<double>& x, std::vector<char> moves) const override;
 };
 

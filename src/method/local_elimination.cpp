@@ -100,6 +100,7 @@ LocalElimination::Result LocalElimination::eliminate(const Functional& E, const 
     const std::unique_ptr<LocalFunctional> local = E.part(x, choose_nodes(H, g, most));
     Result result;
     result.nodes = local->nodes();
+    if (result.nodes == 0) return result;  // those chosen are fixed, or on periodic sides
     result.work = set_up_work * local->distortion.nodes_in_elements();
     NewtonParams params{.omega = 0, .max_iterations = most_steps, .least_gain = worthwhile * gained};
     if (is_dear) params.most_work = most_dear_work * work_of_newton - work - result.work;

@@ -22,6 +22,7 @@ LocalFunctional::LocalFunctional(const AugmentedFunctional& E, const std::vector
 std::unique_ptr<LocalFunctional> AugmentedFunctional::part(const std::vector<double>& x,
                                                            std::vector<char> moves) const {
     for (std::size_t i = 0; i < fixed.size(); ++i) moves[i] = moves[i] && !fixed[i];
+    for (const PeriodicPairs::Pair& pair : distortion.pairs().pairs) moves[pair.slave] = moves[pair.master] = 0;
     return std::make_unique<LocalFunctional>(*this, x, moves);
 }
 

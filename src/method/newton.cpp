@@ -124,7 +124,8 @@ void Newton::search(const Functional& E, std::vector<double>& x, NewtonResult& a
     LineSearchResult found = search_along(correct, x);
     if (correct && found.step_length < 1 && step.solver == SolverKind::cholesky && !step.fallback) {
         std::vector<double> y = start_;
-        const std::vector<double> w = correction_of_inside(start_, correct, at);
+        std::vector<double> w = correction_of_inside(start_, correct, at);
+        if (!w.empty()) E.distortion.pairs().spread(w);
         const Correction correct_all = [&](double t, std::vector<double>& z) {
             for (std::size_t i = 0; i < w.size(); ++i) z[i] += t * t * w[i];
             correct(t, z);
@@ -173,6 +174,7 @@ bool Newton::predict(const Functional& E, HessianKind kind, const std::vector<ch
     std::vector<double> d(x.size());
     for (std::size_t i = 0; i < d.size(); ++i) d[i] = to[i] - x[i];
     d = with_inside(fixed, g_, std::move(d), counts);
+    if (!d.empty()) E.distortion.pairs().spread(d);
     for (std::size_t i = 0; i < d.size(); ++i)
         if (!fixed[i / H_.d]) to[i] += d[i];
     return !d.empty();

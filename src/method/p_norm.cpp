@@ -116,7 +116,9 @@ KappaChange change_of_kappa(DistortionEnergy& energy, const std::vector<double>&
     const int p = energy.power().p, q = norm_over_power * p;
     KappaChange change{std::vector<double>(x.size(), 0.0), std::vector<double>(x.size(), 0.0)};
     with_power_alone(energy, p, [&] { return energy.add_gradient(x, change.u), 0; });
+    energy.pairs().fold(change.u);
     const double E_q = with_power_alone(energy, q, [&] { return energy.add_gradient(x, change.v), energy.energy(x); });
+    energy.pairs().fold(change.v);
     scale(static_cast<int>(x.size()), (p - 2) / (q * E_q), change.v.data());
     return change;
 }

@@ -83,6 +83,7 @@ std::vector<double> OnTarget::set_point(const std::vector<double>& x) const {
     const int dim = distortion.dim();
     std::vector<double> gradient(x.size(), 0.0);
     distortion.add_gradient(x, gradient);
+    distortion.pairs().fold(gradient);
     for (Node& at : nodes_) {
         const Vec<3> position = at_node(x, at.node, dim), force = at_node(gradient, at.node, dim);
         Mat<3> D = constraint.distance(place(at.node), position).slope;
