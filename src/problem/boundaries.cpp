@@ -6,6 +6,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "mesh/inner_boundary.hpp"
+#include "mesh/periodic.hpp"
 
 namespace almesh {
 namespace {
@@ -152,6 +153,10 @@ void set_contacts(const ProblemSetup& setup, Mesh& mesh) {
 
 }  // namespace
 
+const char* const without_motion =
+    "sides that are periodic in the file move as one where no line names them, something else moves, both are sides of "
+    "the mesh, and the nodes of one are those of the other rotated and moved";
+
 const BoundaryMotion* motion_for(const ProblemSetup& setup, const std::string& boundary) {
     for (const std::string& name : {boundary, std::string("rest"), std::string("all")})
         if (const BoundaryMotion* const found = find_row(setup.boundaries, name)) return found;
@@ -187,21 +192,32 @@ void assign_boundaries(const ProblemSetup& setup, Mesh& mesh, std::vector<std::s
     set_contacts(setup, mesh);
 }
 
-std::vector<Motion> motions_of(const ProblemSetup& setup, const Mesh& mesh) {
+std::vector<Motion> motions_of(const ProblemSetup& setup, const Mesh& mesh, std::vector<char>* of_one) {
     std::vector<Motion> motions;
+    std::vector<char> periodic;
     Names missing;
-    for (const std::string& name : mesh.boundaries) {
-        const BoundaryMotion* const line = motion_for(setup, name);
-        if (!line) missing.push_back(name);
-        else if (setup.surface == SurfaceKind::slide && !line->is_volume) motions.push_back(sliding(line->motion));
-        else motions.push_back(line->motion);
+    for (std::size_t b = 0; b < mesh.boundaries.size(); ++b) {
+        const BoundaryMotion* const line = motion_for(setup, mesh.boundaries[b]);
+        const bool slides = setup.surface == SurfaceKind::slide && line && !line->is_volume;
+        motions.push_back(!line ? motion_of(NodeKind::fixed) : slides ? sliding(line->motion) : line->motion);
+        const bool stays = is_fixed(motions[b]) || motions[b] == motion_of(NodeKind::slides);
+        const bool is_inner = !mesh.inner.empty() && mesh.inner[b];
+        periodic.push_back(stays && !is_inner && !find_row(setup.boundaries, mesh.boundaries[b]));
     }
+    periodic = periodic_boundaries(mesh, periodic);
+    for (std::size_t b = 0; b < motions.size(); ++b)
+        if (!periodic[b] && !motion_for(setup, mesh.boundaries[b])) missing.push_back(mesh.boundaries[b]);
+    if (std::all_of(motions.begin(), motions.end(), is_fixed)) periodic.assign(motions.size(), 0);
+    for (std::size_t b = 0; b < motions.size(); ++b)
+        if (periodic[b] && is_fixed(motions[b])) motions[b] = motion_of(NodeKind::free);
+    if (of_one) *of_one = std::move(periodic);
     if (missing.empty()) return motions;
     std::string lines;
     for (const std::string& name : missing)
         lines += "\n  boundary " + quoted_where_needed(name, "#=\" \t") + " = fixed";
     throw SettingError("", counted(missing.size(), "boundary line"),
-                     " missing; add `boundary rest = fixed`, or each of these with its motion:", lines);
+                     " missing; add `boundary rest = fixed`, or each of these with its motion:", lines,
+                     mesh.file.periodic.empty() ? "" : concat("\n", without_motion));
 }
 
 }  // namespace almesh

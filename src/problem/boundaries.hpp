@@ -23,6 +23,8 @@ struct ProblemSetup : ProblemOptions {
     std::string contact;                     // names of boundaries, lists of them separated by ;
 };
 
+extern const char* const without_motion;  // a sentence: which periodic sides move as one
+
 // The motion of a boundary of the mesh: its own, or that of `rest` or `all`; null where there is none.
 const BoundaryMotion* motion_for(const ProblemSetup& setup, const std::string& boundary);
 
@@ -37,7 +39,9 @@ void assign_boundaries(const ProblemSetup& setup, Mesh& mesh, std::vector<std::s
 void drop_empty_boundaries(Mesh& mesh);
 
 // One motion per boundary of the mesh; each must have one, `all` and `rest` stand for those not named. Throws
-// SettingError with the lines of a deck that are missing.
-std::vector<Motion> motions_of(const ProblemSetup& setup, const Mesh& mesh);
+// SettingError with the lines of a deck that are missing. periodic: on return, per boundary, whether it moves as one
+// with others, because its sides are periodic in the file and no line names it; its nodes are free, or slide if
+// `rest` or `all` says so. Where nothing else moves these stay, too.
+std::vector<Motion> motions_of(const ProblemSetup& setup, const Mesh& mesh, std::vector<char>* periodic = nullptr);
 
 }  // namespace almesh

@@ -114,7 +114,8 @@ void free_infeasible(const ProblemOptions& options, Problem& problem) {
     const bool stays = !infeasible.sliding_may_help() || options.surface == SurfaceKind::keep;
     if (stays && may_stay_invalid(options, problem, infeasible)) return;
     if (stays) throw InfeasibleTarget(options, problem, infeasible);
-    const std::vector<char> freed = nodes_to_free(mesh, problem.target, infeasible);
+    std::vector<char> freed = nodes_to_free(mesh, problem.target, infeasible);
+    problem.pairs.keep(freed);
     free_nodes(mesh, freed, problem.target);
     const Infeasible left = find_infeasible(options, problem);
     if (!left.none() && !may_stay_invalid(options, problem, left))

@@ -59,6 +59,47 @@ BoundaryTarget target_at(double fraction, const Mesh& mesh, const std::vector<do
     return make_target(mesh, x, motions, placed, shared);
 }
 
+// The pairs of nodes on periodic sides of a mesh in the file's frame. Slaves follow their masters, whatever boundaries
+// they are on. Throws InputError where the images of a node are to go to different places.
+PeriodicPairs pair_nodes(const std::vector<char>& periodic, const Mesh& mesh, BoundaryTarget& target) {
+    if (std::count(periodic.begin(), periodic.end(), 1) == 0) return {};
+    const char* const advice = " give the sides lines of their own, as `boundary NAME = fixed`";
+    if (periodic_boundaries(mesh, periodic) != periodic)
+        throw InputError("periodic sides cannot move as one: their faces do not correspond, so that in degree ",
+                         mesh.degree, ", or refined, nodes are without an image:", advice);
+    enum Hold { nothing, surface, position };
+    std::vector<int> hold(mesh.nodes(), nothing), boundary(mesh.nodes(), 0);
+    std::vector<double> at = mesh.x;
+    for_face_nodes(mesh, [&](int f, std::size_t k) {
+        const NodeKind kind = target.kind[k];
+        const int i = mesh.faces[k];
+        const int held = is_prescribed(kind) ? position : kind == NodeKind::slides ? surface : nothing;
+        if (held < hold[i]) return;
+        hold[i] = held;
+        boundary[i] = mesh.face_boundary[f];
+        if (held == position) std::copy_n(&target.node[k * mesh.dim], mesh.dim, point(at, i, mesh.dim));
+    });
+    const PeriodicPairs pairs = periodic_pairs(mesh, periodic, hold, position);
+    const auto told = [&](int i) {
+        return concat("node ", mesh.file.node_id[i], " of boundary ", mesh.boundaries[boundary[i]], " ",
+                      hold[i] == position ? "to " + position_text(point(at, i, mesh.dim), mesh.dim) : "anywhere");
+    };
+    const double rounding = 1e-9 * size_of(mesh);
+    for (const PeriodicPairs::Pair& pair : pairs.held)
+        if (hold[pair.slave] != position ||
+            pair.mismatch(at, mesh.dim) > rounding + 2 * pair.mismatch(mesh.x, mesh.dim))
+            throw InputError("periodic sides cannot move as one: ", told(pair.master), ", but its image, ",
+                             told(pair.slave), ": let both move alike there, or", advice);
+    std::vector<char> is_slave(mesh.nodes(), 0), stays(mesh.nodes(), 0);
+    for (const PeriodicPairs::Pair& pair : pairs.pairs) is_slave[pair.slave] = 1;
+    for (const int i : pairs.centres) stays[i] = hold[i] != position;
+    for (std::size_t k = 0; k < mesh.faces.size(); ++k) {
+        if (is_slave[mesh.faces[k]]) target.kind[k] = NodeKind::free;
+        if (stays[mesh.faces[k]]) target.kind[k] = NodeKind::fixed;
+    }
+    return pairs;
+}
+
 // The target of the level, which is in the file's frame. placed: as below.
 BoundaryTarget target_on(const Problem& problem, const Level& level, PlacedNodes& placed) {
     for (PlacedBoundary& boundary : placed)
@@ -78,6 +119,7 @@ std::unique_ptr<Level> discretise(const Problem& problem, int refinements, int d
     level->mesh = discretised(problem.base, refinements, degree);
     level->ideal = problem.ideal_of(level->mesh);
     target = target_on(problem, *level, placed);
+    level->pairs = pair_nodes(problem.periodic, level->mesh, target);
     return level;
 }
 
@@ -146,10 +188,23 @@ void note_surfaces(const SlidingSurfaces& sliding, Problem& problem) {
     }
 }
 
+void note_pairs(Problem& problem) {
+    std::string sides;
+    for (std::size_t b = 0; b < problem.periodic.size(); ++b)
+        if (problem.periodic[b]) sides += (sides.empty() ? "" : ", ") + with_quotes(problem.base.boundaries[b]);
+    if (!sides.empty())
+        problem.notes.push_back(concat("periodic sides that move as one: ", sides, ", ",
+                                       counted(problem.pairs.count(), "pair"),
+                                       " of nodes; a line of its own for a side ends that"));
+    else if (!problem.base.file.periodic.empty())
+        problem.notes.push_back(concat("no periodic sides move as one here: ", without_motion));
+}
+
 void take_to_run(const Frame& frame, Level& level) {
     level.mesh.rounding = 16 * std::numeric_limits<double>::epsilon() * length(frame.origin) / frame.length;
     frame.take_to_run(level.mesh.x, level.mesh.dim);
     frame.take_to_run(level.ideal, level.mesh.dim);
+    level.pairs = level.pairs.in(frame);
 }
 
 // Whether a curved mesh is only to be made valid, with what may be done to its boundary (curving.hpp).
@@ -163,10 +218,13 @@ bool curves_in_place(const ProblemOptions& options, const Problem& problem) {
 }
 
 void read_motions(const ProblemSetup& setup, Problem& problem) {
-    problem.motions = motions_of(setup, problem.base);
+    problem.motions = motions_of(setup, problem.base, &problem.periodic);
     problem.shared = {setup.shared_nodes, {}};
-    for (const std::string& name : problem.base.boundaries)
-        problem.shared.rank.push_back(static_cast<int>(motion_for(setup, name) - setup.boundaries.data()));
+    for (const std::string& name : problem.base.boundaries) {
+        const BoundaryMotion* const line = motion_for(setup, name);
+        const std::ptrdiff_t last = std::ssize(setup.boundaries);
+        problem.shared.rank.push_back(static_cast<int>(line ? line - setup.boundaries.data() : last));
+    }
     NodeTargets targets = read_node_targets(problem.base, problem.motions);
     problem.raised = std::move(targets.raised);
     problem.placed = problem.level_placed = std::move(targets.placed);
@@ -204,6 +262,7 @@ void discretise(const ProblemSetup& setup, Problem& problem) {
     check_memory(problem.base, degree, setup.refine, setup.linear, available_memory());
     read_motions(setup, problem);
     problem.level = discretise(problem, setup.refine, degree, problem.level_placed, problem.target);
+    problem.pairs = problem.level->pairs;
     if (problem.is_own_ideal) check_curved_ideal(setup, problem.base, problem.mesh());
     problem.node_target = problem.target.node;
 }
@@ -278,6 +337,7 @@ void move_target(const ProblemSetup& setup, Problem& problem) {
     const std::unique_ptr<Problem, decltype(swap_frames)&> swap_back(&problem, swap_frames);
     read_motions(setup, problem);
     problem.target = target_on(problem, *problem.level, problem.level_placed);
+    pair_nodes(problem.periodic, problem.mesh(), problem.target);
     problem.node_target = problem.target.node;
     free_infeasible(setup, problem);
     const std::shared_ptr<SlidingSurfaces> sliding = make_surfaces(setup, problem);
@@ -311,6 +371,7 @@ void complete(const ProblemSetup& setup, Problem& problem) {
         free_infeasible(setup, problem);
     }
     const Mesh& mesh = problem.mesh();
+    note_pairs(problem);
     problem.frame.origin = local_origin(problem.base);
     problem.frame.length = unit_of_length(setup, problem.name, volume(mesh, problem.ideal()), mesh.dim);
     const std::shared_ptr<SlidingSurfaces> sliding = make_surfaces(setup, problem);
@@ -328,10 +389,12 @@ Problem make_problem(const ProblemSetup& setup, BaseMesh base, std::vector<std::
 
 std::unique_ptr<DistortionEnergy> make_energy(const Problem& problem, const Level& level,
                                               const DistortionParams& params) {
-    if (problem.infeasible.empty()) return make_energy(level.mesh, level.ideal, params);
     std::vector<char> infeasible;
     for (const std::string& why : problem.infeasible) infeasible.push_back(!why.empty());
-    return std::make_unique<MixedEnergy>(level.mesh, level.ideal, params, infeasible);
+    auto energy = infeasible.empty() ? make_energy(level.mesh, level.ideal, params)
+                                     : std::make_unique<MixedEnergy>(level.mesh, level.ideal, params, infeasible);
+    energy->set_pairs(level.pairs);
+    return energy;
 }
 
 std::shared_ptr<SlidingSurfaces> surfaces_in_place(const ProblemOptions& options, const Problem& problem) {
@@ -370,6 +433,7 @@ std::unique_ptr<Level> coarser_level(const ProblemOptions& options, const Proble
             for_face_nodes(level->mesh, [&](int f, std::size_t k) {
                 if (!problem.sliding->knows(level->mesh.face_boundary[f])) freed[level->mesh.faces[k]] = 0;
             });
+            level->pairs.keep(freed);
             free_nodes(level->mesh, freed, target);
         }
         // Its degree is too low for the shape.

@@ -20,6 +20,8 @@ struct Problem {
     std::string name;              // of its file, for errors
     bool is_own_ideal = false;     // it is curved, and itself the ideal mesh
     std::vector<Motion> motions;   // of its boundaries
+    std::vector<char> periodic;    // per boundary: motions_of()
+    PeriodicPairs pairs;           // of the level, in the file's frame
     SharedNodes shared;            // the rule for nodes that these share
     std::optional<Mesh> raised;    // base in the degree of the meshes that place its boundaries, if that is higher
     std::unique_ptr<Level> level;  // the base mesh refined and raised, its ideal mesh; in the run's frame

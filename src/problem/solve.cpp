@@ -110,6 +110,7 @@ std::vector<double> final_positions(const Problem& problem, const std::vector<do
         if (const int i = mesh.faces[k]; std::equal(point(solution, i, dim), point(solution, i, dim) + dim,
                                                     &problem.target.node[k * dim]))
             std::copy_n(&problem.node_target[k * dim], dim, point(x, i, dim));
+    problem.pairs.settle(problem.file_x, x);
     return x;
 }
 
@@ -150,6 +151,7 @@ void snap(const ProblemOptions& options, const Problem& problem, Solution& solut
                  !std::isfinite(solution.al.distortion.max_distortion)))
         return;
     Level& level = *problem.level;
+    level.pairs.settle(level.mesh.x, solution.x);
     std::vector<char> fixed(level.mesh.nodes(), all);
     const BoundaryTarget& target = problem.target;
     for (std::size_t k = 0; k < level.mesh.faces.size(); ++k)

@@ -86,9 +86,10 @@ struct Untangling {
         return false;
     }
 
-    // All nodes of the boundary but for free ones; or without those that slide.
+    // All nodes of the boundary but for free ones; or without those that slide. Those of periodic sides stay.
     void fix_boundary(bool slide) {
         for (const int i : E_.constraint.nodes()) E_.fixed[i] = held_[i] && !(slide && slides(i));
+        for (const PeriodicPairs::Pair& pair : energy_.pairs().pairs) E_.fixed[pair.slave] = E_.fixed[pair.master] = 1;
     }
 
     void project(const Moves& moves, std::vector<double>& x) const {

@@ -74,7 +74,10 @@ std::string less_motion(const Solution& solution) {
 // that another boundary moves cannot slide, and one boundary has to remain that is not free.
 std::string more_freedom(const Deck& deck, const Problem& problem, int b) {
     const Mesh& mesh = problem.mesh();
-    const auto motion = [&](int of) { return motion_for(deck, mesh.boundaries[of])->motion; };
+    const auto motion = [&](int of) {
+        const BoundaryMotion* const line = motion_for(deck, mesh.boundaries[of]);
+        return line ? line->motion : problem.motions[of];
+    };
     std::vector<char> moved(mesh.nodes(), 0);
     bool may_slide = is_fixed(motion(b)), may_be_free = false;
     for_face_nodes(mesh, [&](int f, std::size_t k) {

@@ -16,6 +16,7 @@
 #include "io/mesh_format.hpp"
 #include "mesh/inner_boundary.hpp"
 #include "mesh/kept_cells.hpp"
+#include "mesh/periodic.hpp"
 
 namespace almesh {
 namespace {
@@ -178,7 +179,9 @@ void print_deck(const Deck& deck, const Mesh& mesh, const std::vector<GroupCells
         print(out, may_be_free && !given ? "# " : "", what, " ", quoted_where_needed(name, "#=\" \t"), " = ",
               given ? to_string(given->motion) : "fixed", "\n");
     };
-    for (const std::string& name : mesh.boundaries) line("boundary", name, motion_for(deck, name), false);
+    const std::vector<char> periodic = periodic_boundaries(mesh, std::vector<char>(mesh.boundaries.size(), 1));
+    for (std::size_t b = 0; b < periodic.size(); ++b)
+        line("boundary", mesh.boundaries[b], motion_for(deck, mesh.boundaries[b]), periodic[b]);
     for (const GroupCells& group : inner) line("boundary", group.name, find_row(deck.boundaries, group.name), true);
     for (const GroupCells& group : volumes) {
         const BoundaryMotion* const given = find_row(deck.boundaries, volume_group(group.name));
