@@ -10,6 +10,7 @@
 
 #include "base/bytes.hpp"
 #include "io/text_scanner.hpp"
+#include "mesh/raw_mesh.hpp"
 
 namespace almesh {
 
@@ -106,5 +107,9 @@ private:
         return value;
     }
 };
+
+// The section $Periodic at `from`, which is text in MSH 2.2, once all nodes are known. What cannot be read of it is no
+// reason to refuse the mesh, but a note.
+void read_periodic(MshScanner& from, const IdIndex& node_index, RawMesh& mesh);
 
 }  // namespace almesh
