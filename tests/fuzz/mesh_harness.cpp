@@ -31,21 +31,22 @@ bool fits(const Mesh& mesh, const FileFormat& format) {
 
 // What is the same in any order of nodes, elements and faces, which MSH 4 sorts by their entities.
 struct Contents {
-    std::map<long long, std::vector<double>> position;      // by node id
+    std::map<long long, std::vector<double>> position;      // by node id, from the first of its format on
     std::map<long long, std::vector<long long>> element;    // by its id: node ids
     std::multimap<std::vector<long long>, std::string> face;  // by node ids: boundary
     std::multiset<std::vector<long long>> kept;
 
     explicit Contents(const Mesh& mesh) {
-        const auto ids = [&mesh](const int* node, int count) {
+        const long long first = mesh.file.format.first_id();
+        const auto ids = [&](const int* node, int count) {
             std::vector<long long> list;
-            for (int k = 0; k < count; ++k) list.push_back(mesh.file.node_id[node[k]]);
+            for (int k = 0; k < count; ++k) list.push_back(mesh.file.node_id[node[k]] - first);
             return list;
         };
         for (int i = 0; i < mesh.nodes(); ++i)
-            position[mesh.file.node_id[i]] = {point(mesh.x, i, mesh.dim), point(mesh.x, i, mesh.dim) + mesh.dim};
+            position[mesh.file.node_id[i] - first] = {point(mesh.x, i, mesh.dim), point(mesh.x, i, mesh.dim) + mesh.dim};
         for (int e = 0; e < mesh.element_count(); ++e)
-            element[mesh.file.element_id[e]] = ids(mesh.element(e), mesh.element_nodes(e));
+            element[mesh.file.element_id[e] - first] = ids(mesh.element(e), mesh.element_nodes(e));
         std::set<std::multiset<long long>> faces;
         for (int f = 0; f < mesh.face_count(); ++f) {
             const std::vector<long long> nodes = ids(mesh.face(f), mesh.face_nodes(f));
