@@ -21,6 +21,18 @@
 
 namespace almesh {
 
+inline Vec<3> in_space(const double* x, int dim) {  // dim coordinates, in 2D with a third of 0
+    Vec<3> result{};
+    std::copy_n(x, dim, result.begin());
+    return result;
+}
+
+// Of a field v, nodes x dim.
+inline Vec<3> at_node(const std::vector<double>& v, int node, int dim) { return in_space(point(v, node, dim), dim); }
+inline void set_node(std::vector<double>& v, int node, int dim, const Vec<3>& value) {
+    std::copy_n(value.begin(), dim, point(v, node, dim));
+}
+
 // The residual r of a node at x, zero if P c = 0 there, and its derivative.
 struct SurfaceDistance {
     Vec<3> r{};
@@ -92,10 +104,8 @@ inline std::vector<int> held_directions(Constraint& constraint, const std::vecto
     if (!(constraint.max_error(x) <= off_target)) return {};
     std::vector<int> held(x.size() / dim, 0);
     const std::vector<int>& nodes = constraint.nodes();
-    for (std::size_t t = 0; t < nodes.size(); ++t) {
-        Vec<3> at{};
-        std::copy_n(point(x, nodes[t], dim), dim, at.begin());
-        const Mat<3> D = constraint.distance(static_cast<int>(t), at).slope;  // nearly a projector
+    for (int t = 0; t < static_cast<int>(nodes.size()); ++t) {
+        const Mat<3> D = constraint.distance(t, at_node(x, nodes[t], dim)).slope;  // nearly a projector
         held[nodes[t]] = std::min(dim, static_cast<int>(std::lround(D[0][0] + D[1][1] + D[2][2])));
     }
     return held;

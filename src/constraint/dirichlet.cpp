@@ -1,4 +1,5 @@
-// The quadratic form of dirichlet.hpp and its derivatives, in the order of the paper's section 3.2.
+// The quadratic form of dirichlet.hpp and its derivatives, in the order of the paper's section 3.2, with the residual r
+// of sliding_boundary.hpp, which is x - g_h where a position is prescribed, and its derivative D.
 #include "constraint/dirichlet.hpp"
 
 #include <algorithm>
@@ -12,6 +13,10 @@ namespace almesh {
 namespace {
 
 const Mesh no_faces;  // of a part
+
+constexpr double mass_work = 40;     // simple operations that a row of M takes,
+constexpr double matrix_work = 200;  // to be added to a matrix as well,
+constexpr double surface_work = 1e3; // and finding a point of a surface, at least
 
 }  // namespace
 
@@ -42,14 +47,15 @@ std::unique_ptr<Constraint> Dirichlet::part(const Restriction& around, std::vect
     return part;
 }
 
-// r = x - g_h
-std::vector<double> Dirichlet::residual(const std::vector<double>& x) const {
-    const int dim = trace_.dim;
+// slope: D, unless null.
+std::vector<double> Dirichlet::residual(const std::vector<double>& x, std::vector<Mat<3>>* slope) const {
     std::vector<double> r(trace_.size());
+    if (slope) slope->resize(trace_.count());
     parallel_for(trace_.count(), [&](int t) {
-        for (int a = 0; a < dim; ++a)
-            r[offset(t, dim, a)] = x[offset(trace_.nodes[t], dim, a)] - g_h_[offset(t, dim, a)];
-    });
+        const SurfaceDistance here = distance(t, at(x, t));
+        set_node(r, t, trace_.dim, here.r);
+        if (slope) (*slope)[t] = here.slope;
+    }, corrects_steps() ? surface_work : mass_work);
     return r;
 }
 
@@ -81,34 +87,51 @@ double Dirichlet::value(const std::vector<double>& x, const std::vector<double>&
     return trace_.product(u, r) / trace_.norm_of_one + 0.5 * mu * best_approximation_error_ * best_approximation_error_;
 }
 
-// M (mu r / |1| - lambda) / |1|
+// D' M (mu r / |1| - lambda) / |1|
 void Dirichlet::add_gradient(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
                              std::vector<double>& g) {
-    constexpr double work = 40;  // simple operations that a row of M takes
-    const std::vector<double> v = trace_.force_density(residual(x), lambda, mu);
+    std::vector<Mat<3>> D;
+    const std::vector<double> v = trace_.force_density(residual(x, &D), lambda, mu);
     with_dimension(trace_.dim, [&](auto n) {
         parallel_for(trace_.count(), [&](int t) {
-            double Mv[n];
-            trace_.mass_times<n>(v, t, Mv);
-            for (int a = 0; a < n; ++a) g[offset(trace_.nodes[t], n, a)] += Mv[a];
-        }, work);
+            double f[n], *const of_node = point(g, trace_.nodes[t], n);
+            trace_.mass_times<n>(v, t, f);
+            for (int a = 0; a < n; ++a)
+                for (int b = 0; b < n; ++b) of_node[a] += D[t][b][a] * f[b];
+        }, mass_work);
     });
 }
 
-// mu M / |1|^2: positive semidefinite as it is
-void Dirichlet::add_hessian(const std::vector<double>& /*x*/, const std::vector<double>& /*lambda*/, double mu,
-                            bool /*projected*/, BlockCsr& H) {
-    constexpr double work = 200;
-    const int dim = trace_.dim;
+// mu D' M D / |1|^2, positive semidefinite as it is, and where nodes slide the second derivative of r
+void Dirichlet::add_hessian(const std::vector<double>& x, const std::vector<double>& lambda, double mu, bool projected,
+                            BlockCsr& H) {
     const BlockCsr& M = trace_.M;
+    std::vector<Mat<3>> D;
+    const std::vector<double> r = residual(x, &D);
     const double factor = mu / (trace_.norm_of_one * trace_.norm_of_one);
-    parallel_for(trace_.count(), [&](int t) {
-        const int i = H.row_of(trace_.nodes[t]);
-        for (int k = M.row[t]; k < M.row[t + 1]; ++k) {
-            double* const block = H.block(H.find(i, H.row_of(trace_.nodes[M.col[k]])));
-            for (int a = 0; a < dim; ++a) block[a * dim + a] += factor * M.value[k];
-        }
-    }, work);
+    with_dimension(trace_.dim, [&](auto n) {
+        parallel_for(trace_.count(), [&](int t) {
+            const int i = H.row_of(trace_.nodes[t]);
+            for (int k = M.row[t]; k < M.row[t + 1]; ++k) {
+                const Mat<3>&left = D[t], &right = D[M.col[k]];
+                const double weight = factor * M.value[k];
+                double* const block = H.block(H.find(i, H.row_of(trace_.nodes[M.col[k]])));
+                for (int c = 0; c < n; ++c)
+                    for (int ab = 0; ab < n * n; ++ab) block[ab] += weight * left[c][ab / n] * right[c][ab % n];
+            }
+        }, matrix_work);
+        if (projected) return;
+        const std::vector<double> v = trace_.force_density(r, lambda, mu);
+        parallel_for(trace_.count(), [&](int t) {
+            if (!slides(t)) return;
+            Vec<3> force{};
+            trace_.mass_times<n>(v, t, force.data());
+            const Mat<3> second = second_derivative_at(t, at(x, t), force);
+            const int i = H.row_of(trace_.nodes[t]);
+            double* const block = H.block(H.find(i, i));
+            for (int ab = 0; ab < n * n; ++ab) block[ab] += second[ab / n][ab % n];
+        }, surface_work);
+    });
 }
 
 // lambda <- lambda - mu P c_D (Algorithm 1, line 10)
@@ -158,10 +181,15 @@ std::vector<double> Dirichlet::relative_errors(const std::vector<double>& x) con
 }
 
 std::vector<char> Dirichlet::off_target(const std::vector<double>& x) const {
-    const std::vector<double> r = residual(x);
+    constexpr double rounding = 1e-13;
+    const std::vector<double> target = targets(x);
     std::vector<char> off(trace_.nodes.size(), 0);
-    for (std::size_t k = 0; k < r.size(); ++k)
-        if (r[k] != 0) off[k / trace_.dim] = 1;  // nan is
+    for (std::size_t k = 0; k < target.size(); ++k) {
+        const int t = static_cast<int>(k) / trace_.dim;
+        const double is = x[offset(trace_.nodes[t], trace_.dim, static_cast<int>(k) % trace_.dim)];
+        const double tolerance = slides(t) ? rounding * std::max(1.0, std::abs(target[k])) : 0;
+        off[t] = off[t] || !(std::abs(is - target[k]) <= tolerance);
+    }
     return off;
 }
 

@@ -68,13 +68,15 @@ protected:
     Dirichlet(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target);
     Dirichlet(const Dirichlet& whole, const Restriction& around);
 
-    virtual std::vector<double> residual(const std::vector<double>& x) const;  // r
+    virtual bool slides(int /*t*/) const { return false; }
+    Vec<3> at(const std::vector<double>& x, int t) const { return at_node(x, trace_.nodes[t], trace_.dim); }
 
 private:
     const Mesh& mesh_;
     BoundaryTarget target_;
     double best_approximation_error_ = 0;
 
+    std::vector<double> residual(const std::vector<double>& x, std::vector<Mat<3>>* slope = nullptr) const;  // r
     double squared_difference_at(const std::vector<double>& trace, const std::vector<int>& nodes, int face,
                                  int point) const;
 };

@@ -244,11 +244,8 @@ std::optional<MeshSurface::Root> MeshSurface::solve(int patch, const Vec<3>& x, 
     for (int step = 0; step < steps; ++step) {
         const Expansion at = expand(patch, root.xi);
         const Mat<3> J = jacobian(at, root.d);
-        const double det = determinant(J);
-        if (!(std::abs(det) > 0)) return std::nullopt;
-        const Mat<3> inverse_J = inverse<3>(J);
-        const Vec<3> residual = x - at.X - root.d * at.n;
-        const Vec<3> change = {dot(inverse_J[0], residual), dot(inverse_J[1], residual), dot(inverse_J[2], residual)};
+        if (!(std::abs(determinant(J)) > 0)) return std::nullopt;
+        const Vec<3> change = times(inverse<3>(J), x - at.X - root.d * at.n);
         const double of_xi = std::max(std::abs(change[0]), m_ == 2 ? std::abs(change[1]) : 0);
         const double t = std::min(1.0, longest_step / std::max(of_xi, longest_step));
         for (int k = 0; k < m_; ++k) root.xi[k] += t * change[k];

@@ -17,14 +17,11 @@ constexpr int most = 10;  // monomials of degree up to 2 in space
 // In its own frame: q(u) = sum over i of (a_i u_i^2 / 2 + h_i u_i) + c.
 struct Quadric final : Surface {
     Vec<3> a{}, h{}, centre{};
-    std::array<Vec<3>, 3> axis{};
+    Mat<3> axis{};
     double c = 0;
     int dim = 3;
 
-    Vec<3> in_frame(const Vec<3>& x) const {
-        const Vec<3> d = x - centre;
-        return {dot(axis[0], d), dot(axis[1], d), dot(axis[2], d)};
-    }
+    Vec<3> in_frame(const Vec<3>& x) const { return times(axis, x - centre); }
     Vec<3> in_space(const Vec<3>& u) const { return u[0] * axis[0] + u[1] * axis[1] + u[2] * axis[2]; }
     Vec<3> gradient(const Vec<3>& u) const { return {a[0] * u[0] + h[0], a[1] * u[1] + h[1], a[2] * u[2] + h[2]}; }
     double value(const Vec<3>& u) const {

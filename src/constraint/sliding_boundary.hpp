@@ -28,17 +28,11 @@ public:
                     std::shared_ptr<const SlidingSurfaces> sliding);
 
     double max_error(const std::vector<double>& x) override;
-    void add_gradient(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
-                      std::vector<double>& g) override;
-    void add_hessian(const std::vector<double>& x, const std::vector<double>& lambda, double mu, bool projected,
-                     BlockCsr& H) override;
     std::unique_ptr<Constraint> part(const Restriction& around, std::vector<double>& lambda) const override;
     bool corrects_steps() const override { return sliding_ != nullptr; }
     void correct(const std::vector<double>& x, const std::vector<double>& d, double t,
                  std::vector<double>& y) const override;
     std::vector<double> targets(const std::vector<double>& x) const override;
-    std::vector<char> off_target(const std::vector<double>& x) const override;
-
     SurfaceDistance distance(int trace_node, const Vec<3>& x) const override;
     Mat<3> second_derivative_at(int trace_node, const Vec<3>& x, const Vec<3>& force) const override;
 
@@ -49,9 +43,7 @@ private:
     std::vector<char> prescribed_;         // trace nodes: whether fixed at g_h_
     std::vector<std::vector<int>> parts_;  // trace nodes: those it slides along
 
-    std::vector<double> residual(const std::vector<double>& x) const override { return residual(x, nullptr); }
-    std::vector<double> residual(const std::vector<double>& x, std::vector<double>* slope) const;
-    Vec<3> at(const std::vector<double>& x, int trace_node) const;
+    bool slides(int t) const override { return !parts_[t].empty(); }
 };
 
 // Dirichlet if the target prescribes all positions; else SlidingBoundary, whose target is nodal.

@@ -59,12 +59,6 @@ void check_prescribed_on_surface(const Mesh& mesh, const SlidingSurfaces& slidin
 
 }  // namespace
 
-Vec<3> in_space(const double* x, int dim) {
-    Vec<3> result{};
-    std::copy_n(x, dim, result.begin());
-    return result;
-}
-
 Vec<3> at_distances(const SlidingSurfaces& sliding, const std::vector<int>& parts, Vec<3> x,
                     const std::array<double, 3>& distances) {
     for (int step = 0; step < most_steps; ++step) {
@@ -97,8 +91,7 @@ std::array<double, 3> distances(const SlidingSurfaces& sliding, const std::vecto
     std::array<double, 3> result{};
     for (std::size_t k = 0; k < parts.size(); ++k) {
         const SurfacePoint projection = sliding.closest(parts[k], x);
-        const Vec<3> change = {dot(projection.slope[0], d), dot(projection.slope[1], d), dot(projection.slope[2], d)};
-        result[k] = dot(x - projection.position + change, projection.normal);
+        result[k] = dot(x - projection.position + times(projection.slope, d), projection.normal);
     }
     return result;
 }
@@ -120,7 +113,7 @@ Mat<3> second_derivative(const SlidingSurfaces& sliding, const std::vector<int>&
     for (const int part : parts) {
         const SurfacePoint projection = sliding.closest(part, x);
         const Mat<3>& S = projection.curvature;
-        const Vec<3> turned = {dot(S[0], force), dot(S[1], force), dot(S[2], force)}, &n = projection.normal;
+        const Vec<3> turned = times(S, force), &n = projection.normal;
         const double along = dot(n, force);
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) sum[i][j] += along * S[i][j] + n[i] * turned[j] + turned[i] * n[j];
@@ -161,12 +154,12 @@ std::vector<std::vector<int>> sliding_parts(const Mesh& mesh, const BoundaryTarg
     }
     fixed.assign(nodes.size(), 0);
     for (std::size_t t = 0; t < nodes.size(); ++t) {
-        Vec<3> x = in_space(&g[offset(t, dim)], dim);
+        Vec<3> x = at_node(g, static_cast<int>(t), dim);
         const bool of_other = std::any_of(parts[t].begin(), parts[t].end(),
                                           [&](int part) { return sliding->is_of_other_mesh(part); });
         if (of_other && !prescribed[t]) {
             x = on_surfaces(*sliding, parts[t], x);
-            std::copy_n(x.begin(), dim, point(g, static_cast<int>(t), dim));
+            set_node(g, static_cast<int>(t), dim, x);
         }
         for (const int part : parts[t])
             if (prescribed[t]) check_prescribed_on_surface(mesh, *sliding, part, nodes[t], x, size[t]);

@@ -11,8 +11,6 @@ struct BoundaryTarget;
 struct Mesh;
 class SlidingSurfaces;
 
-Vec<3> in_space(const double* x, int dim);  // dim coordinates, in 2D with a third of 0
-
 // The common point of the surfaces of the parts, by iteration from x.
 Vec<3> on_surfaces(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x);
 

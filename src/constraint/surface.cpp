@@ -252,7 +252,7 @@ SurfacePoint projection_at(const Vec<3>& x, const Vec<3>& p, const Vec<3>& n, co
 SurfacePoint implicit_projection(const Vec<3>& x, const Vec<3>& p, const Vec<3>& g, const Mat<3>& H) {
     constexpr double nearly_focal = 0.05;
     const double steepness = std::max(length(g), std::numeric_limits<double>::min());
-    const Vec<3> n = 1 / steepness * g, Hn = {dot(H[0], n), dot(H[1], n), dot(H[2], n)};
+    const Vec<3> n = 1 / steepness * g, Hn = times(H, n);
     const double d = dot(x - p, n);
     Mat<3> S{}, focal{};
     for (int i = 0; i < 3; ++i)

@@ -11,6 +11,8 @@
 
 namespace almesh {
 
+inline Vec<3> times(const Mat<3>& A, const Vec<3>& v) { return {dot(A[0], v), dot(A[1], v), dot(A[2], v)}; }
+
 // The closest-point projection p of x onto a surface, with d the signed distance, x = p + d n. x is on the surface
 // where p = x.
 struct SurfacePoint {

@@ -9,6 +9,7 @@
 #include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "base/table.hpp"
+#include "constraint/constraint.hpp"
 #include "geometry/patch.hpp"
 #include "mesh/lagrange.hpp"
 
@@ -73,8 +74,7 @@ std::map<int, Vec<3>> settled_positions(const Mesh& mesh, const std::vector<doub
         Place& seen = first[mesh.faces[k]];
         if (seen.face < 0) seen = {f, k};
         const double *const a = &target.node[seen.k * dim], *const b = &target.node[k * dim];
-        Vec<3> way{};
-        for (int c = 0; c < dim; ++c) way[c] = b[c] - a[c];
+        const Vec<3> way = in_space(b, dim) - in_space(a, dim);
         const double most = std::max({std::abs(way[0]), std::abs(way[1]), std::abs(way[2])});
         if (most <= rounding) return;
         if (most <= 1e-6 * std::min(face_size(mesh, x, seen.face), face_size(mesh, x, f)) + rounding) return;

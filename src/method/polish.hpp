@@ -5,8 +5,7 @@
 #pragma once
 #include <vector>
 
-#include "base/small_matrix.hpp"
-#include "constraint/sliding_nodes.hpp"
+#include "constraint/surface.hpp"
 #include "method/functional.hpp"
 #include "method/newton.hpp"
 
@@ -21,14 +20,6 @@ int snap_to_targets(DistortionEnergy& distortion, const Constraint& constraint, 
 
 // Nodes of the constraint that are not at their targets, to the last bit.
 int nodes_off_target(const Constraint& constraint, const std::vector<double>& x);
-
-inline Vec<3> times(const Mat<3>& A, const Vec<3>& v) { return {dot(A[0], v), dot(A[1], v), dot(A[2], v)}; }
-
-inline Vec<3> at_node(const std::vector<double>& v, int node, int dim) { return in_space(point(v, node, dim), dim); }
-
-inline void set_node(std::vector<double>& v, int node, int dim, const Vec<3>& value) {
-    std::copy_n(value.begin(), dim, point(v, node, dim));
-}
 
 // The distortion of meshes with the boundary on its target. D_i: derivative of the distance r_i of a node i of the
 // boundary from its target, or from its surfaces (constraint.hpp); P_i: the projector onto the directions in which the
