@@ -201,12 +201,11 @@ struct Parser {
             expect(')');
             return inside;
         }
-        const std::size_t begin = at;
         if (at < text.size() && std::isalpha(static_cast<unsigned char>(text[at]))) return named();
         const bool has_sign = at < text.size() && text[at] == '-';
         double number = 0;
         const auto [stop, error] = read_double(text.data() + at, text.data() + text.size(), number);
-        if (has_sign || error != std::errc()) fail("expected a number, x, y, z, pi, a function or `(`", begin);
+        if (has_sign || error != std::errc()) fail("expected a number, x, y, z, pi, a function or `(`", at);
         at = stop - text.data();
         return [number](const FormulaPoint&) { return number; };
     }

@@ -119,8 +119,51 @@ class MeshSurface final : public Surface {
 public:
     // chord: of splines, per patch; or empty.
     MeshSurface(const PatchBasis& basis, const std::vector<Patch>& patches, const std::vector<std::vector<int>>& node,
-                const std::vector<double>& chord = {});
-    SurfacePoint closest(const Vec<3>& x) const override;
+                const std::vector<double>& chord = {})
+        : m_(basis.bernstein.dim), closest_(basis, patches), lagrange_(m_, basis.bernstein.degree) {
+        for (std::size_t f = 0; f < patches.size(); ++f) {
+            std::array<int, 3> corners{-1, -1, -1};
+            std::copy_n(node[f].begin(), m_ + 1, corners.begin());
+            corner_.push_back(corners);
+        }
+        const PatchNormal normal(m_, basis.bernstein.degree);
+        for (std::size_t f = 0; f < patches.size(); ++f)
+            for (const MultiIndex& index : lagrange_.nodes) {
+                Barycentric l{};
+                for (int k = 0; k <= m_; ++k) l[k] = static_cast<double>(index[k]) / lagrange_.degree;
+                position_.push_back(value(basis.bernstein, patches[f], l));
+                if (!chord.empty())
+                    normal_.push_back(1 / chord[f] * value(normal.basis, normal.coefficients(patches[f]), l));
+            }
+        if (chord.empty()) average_normals(normal, patches, node);
+        find_neighbours();
+    }
+
+    SurfacePoint closest(const Vec<3>& x) const override {
+        constexpr int most_faces = 12;
+        constexpr double beyond_rim = 1;  // xi may go on by that much where the surface ends
+        const ClosestPoint::Place closest = closest_.find(x);
+        int patch = closest.patch;
+        Root start{{closest.at[1], m_ == 2 ? closest.at[2] : 0}, 0};
+        const Expansion there = expand(patch, start.xi);
+        start.d = dot(x - there.X, there.n) / std::max(dot(there.n, there.n), 1e-30);
+        for (int faces = 0; faces < most_faces; ++faces) {
+            const std::optional<Root> root = solve(patch, x, start);
+            if (!root) break;
+            const int side = left_through(*root);
+            const int next = side < 0 ? -1 : neighbour_[patch][side];
+            const bool near = std::abs(root->xi[0]) + std::abs(root->xi[1]) < 1 + beyond_rim;
+            if (next < 0 && near) return projection_at(patch, *root);
+            if (next < 0) break;
+            start = *root;
+            enter(patch, next, start);
+            patch = next;
+        }
+        // No normal leads there: beyond the rim, or from far away. The closest point.
+        const Vec<3> n = unit(length(x - closest.position) > 0 ? x - closest.position : there.n);
+        return almesh::projection_at(x, closest.position, n, {});
+    }
+
     std::string name() const override { return "the mesh's own faces"; }
 
 private:
@@ -141,196 +184,137 @@ private:
     std::vector<std::array<int, 3>> neighbour_;    // per patch: across the side opposite to each corner; -1: none
 
     void average_normals(const PatchNormal& normal, const std::vector<Patch>& patches,
-                         const std::vector<std::vector<int>>& node);
-    void find_neighbours();
-    Expansion expand(int patch, const double* xi) const;
-    Mat<3> jacobian(const Expansion& at, double d) const;
-    std::optional<Root> solve(int patch, const Vec<3>& x, Root root) const;
-    int left_through(const Root& root) const;
-    void enter(int from, int patch, Root& root) const;
-    Mat<3> curvature(const Expansion& at) const;
-    SurfacePoint projection_at(int patch, const Root& root) const;
-};
-
-MeshSurface::MeshSurface(const PatchBasis& basis, const std::vector<Patch>& patches,
-                         const std::vector<std::vector<int>>& node, const std::vector<double>& chord)
-    : m_(basis.bernstein.dim), closest_(basis, patches), lagrange_(m_, basis.bernstein.degree) {
-    for (std::size_t f = 0; f < patches.size(); ++f) {
-        std::array<int, 3> corners{-1, -1, -1};
-        std::copy_n(node[f].begin(), m_ + 1, corners.begin());
-        corner_.push_back(corners);
-    }
-    const PatchNormal normal(m_, basis.bernstein.degree);
-    for (std::size_t f = 0; f < patches.size(); ++f)
-        for (const MultiIndex& index : lagrange_.nodes) {
-            Barycentric l{};
-            for (int k = 0; k <= m_; ++k) l[k] = static_cast<double>(index[k]) / lagrange_.degree;
-            position_.push_back(value(basis.bernstein, patches[f], l));
-            if (!chord.empty())
-                normal_.push_back(1 / chord[f] * value(normal.basis, normal.coefficients(patches[f]), l));
+                         const std::vector<std::vector<int>>& node) {
+        std::map<int, Vec<3>> mean;
+        for (std::size_t f = 0; f < patches.size(); ++f) {
+            const std::vector<Vec<3>> n = normal.coefficients(patches[f]);
+            const Vec<3> flat = flat_normal(patches[f], m_);
+            for (int i = 0; i < lagrange_.count; ++i) {
+                Barycentric l{};
+                for (int k = 0; k <= m_; ++k) l[k] = static_cast<double>(lagrange_.nodes[i][k]) / lagrange_.degree;
+                Vec<3>& sum = mean[node[f][i]];
+                const Vec<3> at = value(normal.basis, n, l);
+                sum = sum + unit(dot(at, flat) > 0 ? at : flat);  // of a face that is folded there
+            }
         }
-    if (chord.empty()) average_normals(normal, patches, node);
-    find_neighbours();
-}
+        for (const std::vector<int>& of_face : node)
+            for (const int i : of_face) normal_.push_back(unit(mean[i]));
+    }
 
-void MeshSurface::average_normals(const PatchNormal& normal, const std::vector<Patch>& patches,
-                                  const std::vector<std::vector<int>>& node) {
-    std::map<int, Vec<3>> mean;
-    for (std::size_t f = 0; f < patches.size(); ++f) {
-        const std::vector<Vec<3>> n = normal.coefficients(patches[f]);
-        const Vec<3> flat = flat_normal(patches[f], m_);
+    void find_neighbours() {
+        const int sides_of_face = m_ + 1;
+        std::vector<Side> sides;
+        for (int f = 0; f < static_cast<int>(corner_.size()); ++f)
+            for (int opposite = 0; opposite <= m_; ++opposite)
+                sides.push_back(side_of_cell(simplex(m_), corner_[f].data(), opposite, sides_of_face * f + opposite));
+        neighbour_.assign(corner_.size(), {-1, -1, -1});
+        for_equal_sides(sides, [&](std::span<const Side> equal) {
+            const int first = equal[0].number;
+            for (const Side& other : equal.subspan(1)) {
+                neighbour_[other.number / sides_of_face][other.number % sides_of_face] = first / sides_of_face;
+                neighbour_[first / sides_of_face][first % sides_of_face] = other.number / sides_of_face;
+            }
+        });
+    }
+
+    Expansion expand(int patch, const double* xi) const {
+        constexpr int most = simplex_node_count(2, 2 * max_degree);
+        double N[most], dN[2 * most];
+        lagrange_.values(xi, N);
+        lagrange_.gradients(xi, dN);
+        Expansion at;
         for (int i = 0; i < lagrange_.count; ++i) {
-            Barycentric l{};
-            for (int k = 0; k <= m_; ++k) l[k] = static_cast<double>(lagrange_.nodes[i][k]) / lagrange_.degree;
-            Vec<3>& sum = mean[node[f][i]];
-            const Vec<3> at = value(normal.basis, n, l);
-            sum = sum + unit(dot(at, flat) > 0 ? at : flat);  // of a face that is folded there
+            const std::size_t at_i = offset(patch, lagrange_.count, i);
+            const Vec<3>&X = position_[at_i], &n = normal_[at_i];
+            at.X = at.X + N[i] * X;
+            at.n = at.n + N[i] * n;
+            for (int k = 0; k < m_; ++k) {
+                at.X_xi[k] = at.X_xi[k] + dN[i * m_ + k] * X;
+                at.n_xi[k] = at.n_xi[k] + dN[i * m_ + k] * n;
+            }
         }
+        return at;
     }
-    for (const std::vector<int>& of_face : node)
-        for (const int i : of_face) normal_.push_back(unit(mean[i]));
-}
 
-void MeshSurface::find_neighbours() {
-    const int sides_of_face = m_ + 1;
-    std::vector<Side> sides;
-    for (int f = 0; f < static_cast<int>(corner_.size()); ++f)
-        for (int opposite = 0; opposite <= m_; ++opposite)
-            sides.push_back(side_of_cell(simplex(m_), corner_[f].data(), opposite, sides_of_face * f + opposite));
-    neighbour_.assign(corner_.size(), {-1, -1, -1});
-    for_equal_sides(sides, [&](std::span<const Side> equal) {
-        const int first = equal[0].number;
-        for (const Side& other : equal.subspan(1)) {
-            neighbour_[other.number / sides_of_face][other.number % sides_of_face] = first / sides_of_face;
-            neighbour_[first / sides_of_face][first % sides_of_face] = other.number / sides_of_face;
+    // Columns: the derivatives of X + d n with respect to xi and d; in 2D a third of e_z.
+    Mat<3> jacobian(const Expansion& at, double d) const {
+        Mat<3> J;
+        const Vec<3> last = m_ == 1 ? Vec<3>{0, 0, 1} : at.n;
+        for (int i = 0; i < 3; ++i) {
+            J[i][0] = at.X_xi[0][i] + d * at.n_xi[0][i];
+            J[i][1] = m_ == 1 ? at.n[i] : at.X_xi[1][i] + d * at.n_xi[1][i];
+            J[i][2] = last[i];
         }
-    });
-}
+        return J;
+    }
 
-MeshSurface::Expansion MeshSurface::expand(int patch, const double* xi) const {
-    constexpr int most = simplex_node_count(2, 2 * max_degree);
-    double N[most], dN[2 * most];
-    lagrange_.values(xi, N);
-    lagrange_.gradients(xi, dN);
-    Expansion at;
-    for (int i = 0; i < lagrange_.count; ++i) {
-        const Vec<3>&X = position_[offset(patch, lagrange_.count, i)], &n = normal_[offset(patch, lagrange_.count, i)];
-        at.X = at.X + N[i] * X;
-        at.n = at.n + N[i] * n;
+    // Newton's method; nothing where it does not converge, or only far outside the face.
+    std::optional<Root> solve(int patch, const Vec<3>& x, Root root) const {
+        constexpr int steps = 25;
+        constexpr double longest_step = 0.5, farthest = 4, tolerance = 1e-14;
+        for (int step = 0; step < steps; ++step) {
+            const Expansion at = expand(patch, root.xi);
+            const Mat<3> J = jacobian(at, root.d);
+            if (!(std::abs(determinant(J)) > 0)) return std::nullopt;
+            const Vec<3> change = times(inverse<3>(J), x - at.X - root.d * at.n);
+            const double of_xi = std::max(std::abs(change[0]), m_ == 2 ? std::abs(change[1]) : 0);
+            const double t = std::min(1.0, longest_step / std::max(of_xi, longest_step));
+            for (int k = 0; k < m_; ++k) root.xi[k] += t * change[k];
+            root.d += t * change[m_];
+            if (!(std::abs(root.xi[0]) + std::abs(root.xi[1]) < farthest)) return std::nullopt;
+            if (of_xi <= tolerance) return root;
+        }
+        return root;
+    }
+
+    // The corner opposite to the side through which xi has left the face; -1 where it is inside.
+    int left_through(const Root& root) const {
+        constexpr double tolerance = 1e-12;
+        const double l[3] = {1 - root.xi[0] - (m_ == 2 ? root.xi[1] : 0), root.xi[0], m_ == 2 ? root.xi[1] : 1};
+        const int least = static_cast<int>(std::min_element(l, l + m_ + 1) - l);
+        return l[least] < -tolerance ? least : -1;
+    }
+
+    // xi at the middle of the face `patch`; where it has the corners of `from`, their coordinates.
+    void enter(int from, int patch, Root& root) const {
+        const double l[3] = {1 - root.xi[0] - (m_ == 2 ? root.xi[1] : 0), root.xi[0], m_ == 2 ? root.xi[1] : 0};
+        double inside[3] = {0.05, 0.05, 0.05}, sum = 0;
+        for (int k = 0; k <= m_; ++k) {
+            for (int c = 0; c <= m_; ++c)
+                if (corner_[patch][k] == corner_[from][c]) inside[k] = std::max(0.0, l[c]);
+            sum += inside[k];
+        }
+        for (int k = 0; k < m_; ++k) root.xi[k] = inside[k + 1] / sum;
+    }
+
+    // Of the unit normal along the surface, symmetrised.
+    Mat<3> curvature(const Expansion& at) const {
+        const Vec<3> n = unit(at.n);
+        Mat<3> frame = jacobian(at, 0);
+        for (int i = 0; i < 3; ++i) frame[i][m_] = n[i];
+        const Mat<3> dual = inverse<3>(frame);
+        Mat<3> S{};
         for (int k = 0; k < m_; ++k) {
-            at.X_xi[k] = at.X_xi[k] + dN[i * m_ + k] * X;
-            at.n_xi[k] = at.n_xi[k] + dN[i * m_ + k] * n;
+            const Vec<3> turn = 1 / length(at.n) * (at.n_xi[k] - dot(at.n_xi[k], n) * n);
+            const Vec<3> along = dual[k] - dot(dual[k], n) * n;
+            for (int i = 0; i < 3; ++i)
+                for (int j = 0; j < 3; ++j) S[i][j] += 0.5 * (turn[i] * along[j] + along[i] * turn[j]);
         }
+        return S;
     }
-    return at;
-}
 
-// Columns: the derivatives of X + d n with respect to xi and d; in 2D a third of e_z.
-Mat<3> MeshSurface::jacobian(const Expansion& at, double d) const {
-    Mat<3> J;
-    const Vec<3> last = m_ == 1 ? Vec<3>{0, 0, 1} : at.n;
-    for (int i = 0; i < 3; ++i) {
-        J[i][0] = at.X_xi[0][i] + d * at.n_xi[0][i];
-        J[i][1] = m_ == 1 ? at.n[i] : at.X_xi[1][i] + d * at.n_xi[1][i];
-        J[i][2] = last[i];
-    }
-    return J;
-}
-
-// Newton's method; nothing where it does not converge, or only far outside the face.
-std::optional<MeshSurface::Root> MeshSurface::solve(int patch, const Vec<3>& x, Root root) const {
-    constexpr int steps = 25;
-    constexpr double longest_step = 0.5, farthest = 4, tolerance = 1e-14;
-    for (int step = 0; step < steps; ++step) {
+    SurfacePoint projection_at(int patch, const Root& root) const {
         const Expansion at = expand(patch, root.xi);
-        const Mat<3> J = jacobian(at, root.d);
-        if (!(std::abs(determinant(J)) > 0)) return std::nullopt;
-        const Vec<3> change = times(inverse<3>(J), x - at.X - root.d * at.n);
-        const double of_xi = std::max(std::abs(change[0]), m_ == 2 ? std::abs(change[1]) : 0);
-        const double t = std::min(1.0, longest_step / std::max(of_xi, longest_step));
-        for (int k = 0; k < m_; ++k) root.xi[k] += t * change[k];
-        root.d += t * change[m_];
-        if (!(std::abs(root.xi[0]) + std::abs(root.xi[1]) < farthest)) return std::nullopt;
-        if (of_xi <= tolerance) return root;
-    }
-    return root;
-}
-
-// The corner opposite to the side through which xi has left the face; -1 where it is inside.
-int MeshSurface::left_through(const Root& root) const {
-    constexpr double tolerance = 1e-12;
-    const double l[3] = {1 - root.xi[0] - (m_ == 2 ? root.xi[1] : 0), root.xi[0], m_ == 2 ? root.xi[1] : 1};
-    const int least = static_cast<int>(std::min_element(l, l + m_ + 1) - l);
-    return l[least] < -tolerance ? least : -1;
-}
-
-// xi at the middle of the face `patch`; where it has the corners of `from`, their coordinates.
-void MeshSurface::enter(int from, int patch, Root& root) const {
-    const double l[3] = {1 - root.xi[0] - (m_ == 2 ? root.xi[1] : 0), root.xi[0], m_ == 2 ? root.xi[1] : 0};
-    double inside[3] = {0.05, 0.05, 0.05}, sum = 0;
-    for (int k = 0; k <= m_; ++k) {
-        for (int c = 0; c <= m_; ++c)
-            if (corner_[patch][k] == corner_[from][c]) inside[k] = std::max(0.0, l[c]);
-        sum += inside[k];
-    }
-    for (int k = 0; k < m_; ++k) root.xi[k] = inside[k + 1] / sum;
-}
-
-// Of the unit normal along the surface, symmetrised.
-Mat<3> MeshSurface::curvature(const Expansion& at) const {
-    const Vec<3> n = unit(at.n);
-    Mat<3> frame = jacobian(at, 0);
-    for (int i = 0; i < 3; ++i) frame[i][m_] = n[i];
-    const Mat<3> dual = inverse<3>(frame);
-    Mat<3> S{};
-    for (int k = 0; k < m_; ++k) {
-        const Vec<3> turn = 1 / length(at.n) * (at.n_xi[k] - dot(at.n_xi[k], n) * n);
-        const Vec<3> along = dual[k] - dot(dual[k], n) * n;
+        const Mat<3> inverse_J = inverse<3>(jacobian(at, root.d));
+        SurfacePoint projection{at.X, unit(at.n), {}, curvature(at)};
         for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) S[i][j] += 0.5 * (turn[i] * along[j] + along[i] * turn[j]);
+            for (int j = 0; j < 3; ++j) {
+                projection.slope[i][j] = i == j;
+                for (int k = 0; k < m_; ++k) projection.slope[i][j] -= at.X_xi[k][i] * inverse_J[k][j];
+            }
+        return projection;
     }
-    return S;
-}
-
-SurfacePoint MeshSurface::projection_at(int patch, const Root& root) const {
-    const Expansion at = expand(patch, root.xi);
-    const Mat<3> inverse_J = inverse<3>(jacobian(at, root.d));
-    SurfacePoint projection{at.X, unit(at.n), {}, curvature(at)};
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) {
-            projection.slope[i][j] = i == j;
-            for (int k = 0; k < m_; ++k) projection.slope[i][j] -= at.X_xi[k][i] * inverse_J[k][j];
-        }
-    return projection;
-}
-
-SurfacePoint MeshSurface::closest(const Vec<3>& x) const {
-    constexpr int most_faces = 12;
-    constexpr double beyond_rim = 1;  // xi may go on by that much where the surface ends
-    const ClosestPoint::Place closest = closest_.find(x);
-    int patch = closest.patch;
-    Root start{{closest.at[1], m_ == 2 ? closest.at[2] : 0}, 0};
-    const Expansion there = expand(patch, start.xi);
-    start.d = dot(x - there.X, there.n) / std::max(dot(there.n, there.n), 1e-30);
-    for (int faces = 0; faces < most_faces; ++faces) {
-        const std::optional<Root> root = solve(patch, x, start);
-        if (!root) break;
-        const int side = left_through(*root);
-        const int next = side < 0 ? -1 : neighbour_[patch][side];
-        const bool near = std::abs(root->xi[0]) + std::abs(root->xi[1]) < 1 + beyond_rim;
-        if (next < 0 && near) return projection_at(patch, *root);
-        if (next < 0) break;
-        start = *root;
-        enter(patch, next, start);
-        patch = next;
-    }
-    // No normal leads there: beyond the rim, or from far away. The closest point.
-    const Vec<3> n = unit(length(x - closest.position) > 0 ? x - closest.position : there.n);
-    SurfacePoint projection{closest.position, n, {}, {}};
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) projection.slope[i][j] = n[i] * n[j];
-    return projection;
-}
+};
 
 }  // namespace
 
