@@ -183,13 +183,6 @@ std::unique_ptr<Surface> BoundaryFaces::own(const std::vector<int>& faces) const
 
 namespace {
 
-// The largest distance from the first point.
-double extent(const std::vector<Vec<3>>& points) {
-    double largest = 0;
-    for (const Vec<3>& x : points) largest = std::max(largest, length(x - points[0]));
-    return largest;
-}
-
 // Where faces are tangled their surfaces become part of larger ones beside them on which all their nodes lie: of that
 // with most common sides. Not of the other side of a slit.
 void join_surfaces(const BoundaryFaces& faces, std::vector<SurfaceOfFaces>& found) {

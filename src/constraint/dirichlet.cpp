@@ -8,6 +8,7 @@
 #include "base/error.hpp"
 #include "base/index.hpp"
 #include "base/parallel.hpp"
+#include "geometry/patch.hpp"
 
 namespace almesh {
 namespace {
@@ -157,14 +158,10 @@ double Dirichlet::squared_difference_at(const std::vector<double>& trace, const 
 
 double Dirichlet::max_error(const std::vector<double>& x) {
     const int dim = trace_.dim;
-    double squared = 0;
-    for (std::size_t k = 0; k < mesh_.faces.size(); ++k) {
-        double s = 0;
-        for (int a = 0; a < dim; ++a)
-            s += std::pow(x[offset(mesh_.faces[k], dim, a)] - target_.node[k * dim + a], 2);
-        squared = std::max(squared, s);
-    }
-    return std::sqrt(squared);
+    double largest = 0;
+    for (std::size_t k = 0; k < mesh_.faces.size(); ++k)
+        largest = std::max(largest, length(at_node(x, mesh_.faces[k], dim) - in_space(&target_.node[k * dim], dim)));
+    return largest;
 }
 
 double Dirichlet::error_between_nodes(const std::vector<double>& x) {

@@ -1,7 +1,6 @@
 #include "constraint/sliding_boundary.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "base/parallel.hpp"

@@ -138,9 +138,7 @@ std::vector<std::vector<int>> sliding_parts(const Mesh& mesh, const BoundaryTarg
     std::vector<char> prescribed(nodes.size(), 0);
     std::vector<double> size(nodes.size(), 0.0);
     for (int f = 0; f < mesh.face_count(); ++f) {
-        const std::vector<Vec<3>> corner = positions(mesh, mesh.x, mesh.face(f), mesh.face_cell(f).vertices);
-        double longest = 0;
-        for (const Vec<3>& x : corner) longest = std::max(longest, length(x - corner[0]));
+        const double longest = face_size(mesh, mesh.x, f);
         const int part = target.slides(mesh, f) ? sliding->part(mesh, f) : -1;
         const std::size_t start = mesh.face_start(f);
         for (std::size_t k = start; k < start + mesh.face_nodes(f); ++k) {

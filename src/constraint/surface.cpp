@@ -241,6 +241,12 @@ std::unique_ptr<Surface> fit_round(const Fit& fit, const Vec<3>& a, bool torus) 
 
 }  // namespace
 
+double extent(const std::vector<Vec<3>>& points) {
+    double largest = 0;
+    for (const Vec<3>& x : points) largest = std::max(largest, length(x - points[0]));
+    return largest;
+}
+
 SurfacePoint projection_at(const Vec<3>& x, const Vec<3>& p, const Vec<3>& n, const Mat<3>& S) {
     SurfacePoint projection{p, n, {}, S};
     const double d = dot(x - p, n);

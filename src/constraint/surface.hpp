@@ -13,6 +13,8 @@ namespace almesh {
 
 inline Vec<3> times(const Mat<3>& A, const Vec<3>& v) { return {dot(A[0], v), dot(A[1], v), dot(A[2], v)}; }
 
+double extent(const std::vector<Vec<3>>& points);  // the largest distance from the first of them
+
 // The closest-point projection p of x onto a surface, with d the signed distance, x = p + d n. x is on the surface
 // where p = x.
 struct SurfacePoint {

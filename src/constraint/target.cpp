@@ -10,7 +10,8 @@
 #include "base/parallel.hpp"
 #include "base/table.hpp"
 #include "constraint/constraint.hpp"
-#include "geometry/patch.hpp"
+#include "constraint/surface.hpp"
+#include "linalg/vector_ops.hpp"
 #include "mesh/lagrange.hpp"
 
 namespace almesh {
@@ -28,19 +29,6 @@ void move(const Motion& motion, const Mesh& mesh, int boundary, double* x) {
         if (!std::isfinite(x[a]))
             throw InputError("boundary ", mesh.boundaries[boundary], ": the motion takes ",
                              position_text(before.data(), mesh.dim), " to a position that is not finite");
-}
-
-double extent(const std::vector<double>& x) {
-    double size = 0;
-    for (double v : x) size = std::max(size, std::abs(v));
-    return size;
-}
-
-double face_size(const Mesh& mesh, const std::vector<double>& x, int f) {
-    const std::vector<Vec<3>> vertex = positions(mesh, x, mesh.face(f), mesh.face_cell(f).vertices);
-    double longest = 0;
-    for (const Vec<3>& v : vertex) longest = std::max(longest, length(v - vertex[0]));
-    return longest;
 }
 
 // Of the basis functions at the points of the rule: points x nodes.
@@ -62,7 +50,7 @@ double on_flat_face(const double* vertices, const std::vector<double>& weight, i
 std::map<int, Vec<3>> settled_positions(const Mesh& mesh, const std::vector<double>& x, const BoundaryTarget& target,
                                         const SharedNodes& shared) {
     const int dim = mesh.dim;
-    const double rounding = 1e-14 * extent(x);
+    const double rounding = 1e-14 * norm_inf(x);
     struct Place {
         int face;
         std::size_t k;  // in `faces`
@@ -147,15 +135,6 @@ std::vector<NodeKind> kinds_of_nodes(const Mesh& mesh, const std::vector<Motion>
     return kind;
 }
 
-// Per node: whether wanted(k) of any of its places in `faces`.
-template <class Wanted>
-std::vector<char> nodes_with(const Mesh& mesh, const Wanted& wanted) {
-    std::vector<char> nodes(mesh.nodes(), 0);
-    for (std::size_t k = 0; k < mesh.faces.size(); ++k)
-        if (wanted(k)) nodes[mesh.faces[k]] = 1;
-    return nodes;
-}
-
 std::vector<FaceRule> rules_of(const Mesh& mesh, int exactness) {
     std::vector<FaceRule> rules;
     std::size_t first = 0;
@@ -168,6 +147,10 @@ std::vector<FaceRule> rules_of(const Mesh& mesh, int exactness) {
 }
 
 }  // namespace
+
+double face_size(const Mesh& mesh, const std::vector<double>& x, int f) {
+    return extent(positions(mesh, x, mesh.face(f), mesh.face_cell(f).vertices));
+}
 
 BoundaryTarget make_target(const Mesh& mesh, const std::vector<double>& at, const std::vector<Motion>& motion,
                            const PlacedNodes& placed, const SharedNodes& shared) {
@@ -233,15 +216,15 @@ std::vector<NodeKind> kinds_of_boundaries(const Mesh& mesh, const std::vector<No
 }
 
 std::vector<char> prescribed_nodes(const Mesh& mesh, const BoundaryTarget& target) {
-    return nodes_with(mesh, [&](std::size_t k) { return is_prescribed(target.kind[k]); });
+    return nodes_with(mesh, [&](int, std::size_t k) { return is_prescribed(target.kind[k]); });
 }
 
 std::vector<char> held_nodes(const Mesh& mesh, const BoundaryTarget& target) {
-    return nodes_with(mesh, [&](std::size_t k) { return target.kind[k] != NodeKind::free; });
+    return nodes_with(mesh, [&](int, std::size_t k) { return target.kind[k] != NodeKind::free; });
 }
 
 std::vector<char> freed_nodes(const Mesh& mesh, const BoundaryTarget& target) {
-    return nodes_with(mesh, [&](std::size_t k) { return target.is_freed(k); });
+    return nodes_with(mesh, [&](int, std::size_t k) { return target.is_freed(k); });
 }
 
 void free_nodes(const Mesh& mesh, const std::vector<char>& chosen, BoundaryTarget& target) {

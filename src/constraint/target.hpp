@@ -10,6 +10,8 @@
 
 namespace almesh {
 
+double face_size(const Mesh& mesh, const std::vector<double>& x, int f);  // from its first vertex to the farthest
+
 // The approximation of g_D in the constraint: its values at the nodes, or its best approximation in the mean.
 enum class TargetKind { nodal, least_squares };
 
@@ -73,6 +75,14 @@ std::vector<double> at_target(const Mesh& mesh, const BoundaryTarget& target, st
 
 // Per boundary: the kind of its least free node; nodes that a file leaves out may be freer. kind: face x face node.
 std::vector<NodeKind> kinds_of_boundaries(const Mesh& mesh, const std::vector<NodeKind>& kind);
+
+// Per node: whether wanted(f, k) of one of the places k of face f at which it is in `faces`.
+template <class Wanted>
+std::vector<char> nodes_with(const Mesh& mesh, const Wanted& wanted) {
+    std::vector<char> nodes(mesh.nodes(), 0);
+    for_face_nodes(mesh, [&](int f, std::size_t k) { if (wanted(f, k)) nodes[mesh.faces[k]] = 1; });
+    return nodes;
+}
 
 // Per node: whether its kind on some face is prescribed; is not free; is freed to slide.
 std::vector<char> prescribed_nodes(const Mesh& mesh, const BoundaryTarget& target);

@@ -6,7 +6,8 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
-#include "base/small_matrix.hpp"
+#include "constraint/constraint.hpp"
+#include "geometry/patch.hpp"
 #include "linalg/direct/cholesky.hpp"
 #include "linalg/vector_ops.hpp"
 #include "mesh/lagrange.hpp"
@@ -18,31 +19,22 @@ constexpr double no_extent = 1e-14;  // of a face, over the mean
 
 // Length of the edge or area of the triangle spanned by the face's vertices.
 double simplex_measure(const Mesh& mesh, const std::vector<double>& ideal, int f) {
-    const auto edge = [&](int v, int a) {
-        return ideal[offset(mesh.face(f)[v], mesh.dim, a)] - ideal[offset(mesh.face(f)[0], mesh.dim, a)];
-    };
-    if (mesh.dim == 2) return std::hypot(edge(1, 0), edge(1, 1));
-    const double n0 = edge(1, 1) * edge(2, 2) - edge(1, 2) * edge(2, 1),
-                 n1 = edge(1, 2) * edge(2, 0) - edge(1, 0) * edge(2, 2),
-                 n2 = edge(1, 0) * edge(2, 1) - edge(1, 1) * edge(2, 0);
-    return 0.5 * std::sqrt(n0 * n0 + n1 * n1 + n2 * n2);
+    const Vec<3> n = flat_normal(positions(mesh, ideal, mesh.face(f), mesh.dim), mesh.dim - 1);
+    return mesh.dim == 2 ? std::hypot(n[0], n[1]) : 0.5 * length(n);
 }
 
 // |dx/da x dx/db| of the bilinear face with the same vertices, at the points of the rule.
 std::vector<double> area_elements(const Mesh& mesh, const std::vector<double>& ideal, int f, const Quadrature& rule) {
     static const LagrangeBasis bilinear(quadrilateral(), 1);
+    const std::vector<Vec<3>> corner = positions(mesh, ideal, mesh.face(f), 4);
     std::vector<double> elements;
     for (int q = 0; q < rule.count; ++q) {
         double dN[8];
         bilinear.gradients(&rule.xi[2 * q], dN);
         Vec<3> along[2] = {};
         for (int v = 0; v < 4; ++v)
-            for (int k = 0; k < 2; ++k)
-                for (int a = 0; a < 3; ++a)
-                    along[k][a] += dN[2 * v + k] *
-                                   (point(ideal, mesh.face(f)[v], 3)[a] - point(ideal, mesh.face(f)[0], 3)[a]);
-        const Vec<3> normal = cross(along[0], along[1]);
-        elements.push_back(std::sqrt(dot(normal, normal)));
+            for (int k = 0; k < 2; ++k) along[k] = along[k] + dN[2 * v + k] * (corner[v] - corner[0]);
+        elements.push_back(length(cross(along[0], along[1])));
     }
     return elements;
 }
@@ -200,12 +192,8 @@ std::vector<double> TraceSpace::force_density(std::vector<double> r, const std::
 }
 
 std::vector<double> TraceSpace::distances(const std::vector<double>& x, const std::vector<double>& y) const {
-    std::vector<double> result(nodes.size());
-    for (int t = 0; t < count(); ++t) {
-        double squared = 0;
-        for (int a = 0; a < dim; ++a) squared += std::pow(x[offset(nodes[t], dim, a)] - y[offset(t, dim, a)], 2);
-        result[t] = std::sqrt(squared);
-    }
+    std::vector<double> result;
+    for (int t = 0; t < count(); ++t) result.push_back(length(at_node(x, nodes[t], dim) - at_node(y, t, dim)));
     return result;
 }
 
