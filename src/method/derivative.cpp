@@ -4,9 +4,7 @@
 
 #include <cmath>
 #include <limits>
-#include <utility>
 
-#include "base/error.hpp"
 #include "base/index.hpp"
 #include "linalg/vector_ops.hpp"
 #include "method/fixed_nodes.hpp"

@@ -36,7 +36,9 @@ struct Functional {
     // The part of E that no x can remove: of a constraint, penalty/2 (|c|^2 - |P c|^2).
     virtual double lost_energy(const std::vector<double>& /*x*/) const { return 0; }
     // How much of a step is valid, in [0, 1]: DistortionEnergy::valid_fraction().
-    virtual double valid_fraction(const std::vector<double>& x, const std::vector<double>& to) const = 0;
+    virtual double valid_fraction(const std::vector<double>& x, const std::vector<double>& to) const {
+        return distortion.valid_fraction(x, to);
+    }
     virtual void gradient(const std::vector<double>& x, std::vector<double>& g) const = 0;
     virtual void hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H,
                          const Projection& projection = {}) const = 0;
@@ -73,10 +75,6 @@ struct AugmentedFunctional : Functional {
 
     double distortion_energy(const std::vector<double>& x, double energy) const override {
         return energy - constraint.value(x, lambda, penalty);
-    }
-
-    double valid_fraction(const std::vector<double>& x, const std::vector<double>& to) const override {
-        return distortion.valid_fraction(x, to);
     }
 
     void gradient(const std::vector<double>& x, std::vector<double>& g) const override {

@@ -2,7 +2,6 @@
 #include "method/levels.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "base/index.hpp"
 #include "base/interrupt.hpp"

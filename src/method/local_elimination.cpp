@@ -104,11 +104,9 @@ LocalElimination::Result LocalElimination::eliminate(const Functional& E, const 
     result.work = set_up_work * local->distortion.nodes_in_elements();
     NewtonParams params{.omega = 0, .max_iterations = most_steps, .least_gain = worthwhile * gained};
     if (is_dear) params.most_work = most_dear_work * work_of_newton - work - result.work;
-    Newton newton(local->hessian_pattern(), {.tolerance = local_tolerance},
-                  {.forcing = Forcing::fixed,
-                   .damping = Damping::none(),
-                   .filtering = EigenvalueFiltering::of_few_nodes(),
-                   .elimination = {of == Of::mesh && !is_dear ? Of::few_nodes : Of::nothing}});
+    NewtonPolicies policies = NewtonPolicies::of_few_nodes(of == Of::mesh && !is_dear ? Of::few_nodes : Of::nothing);
+    policies.forcing = Forcing::fixed;
+    Newton newton(local->hessian_pattern(), {.tolerance = local_tolerance}, policies);
     std::vector<double> y = local->read(x), moved = x;
     result.work += newton.minimise(*local, params, y, [&](const NewtonStep&) { ++result.steps; }).work;
     local->write(y, moved);

@@ -8,10 +8,13 @@
 
 namespace almesh {
 
-LocalFunctional::LocalFunctional(const AugmentedFunctional& E, const std::vector<double>& x,
-                                 const std::vector<char>& moves)
-    : ElementsAround(E, x, moves),
-      Functional(*energy_),
+LocalFunctional::LocalFunctional(const AugmentedFunctional& E, const std::vector<double>& x, Restriction around,
+                                 std::unique_ptr<DistortionEnergy> energy)
+    : Functional(*energy),
+      around_(std::move(around)),
+      energy_(std::move(energy)),
+      lambda_(E.lambda),
+      constraint_(E.constraint.part(around_, lambda_)),
       E_(*energy_, *constraint_, lambda_, E.penalty),
       dim_(distortion.dim()),
       at_(at_nodes(around_.node, x, dim_)),
@@ -23,7 +26,9 @@ std::unique_ptr<LocalFunctional> AugmentedFunctional::part(const std::vector<dou
                                                            std::vector<char> moves) const {
     for (std::size_t i = 0; i < fixed.size(); ++i) moves[i] = moves[i] && !fixed[i];
     for (const PeriodicPairs::Pair& pair : distortion.pairs().pairs) moves[pair.slave] = moves[pair.master] = 0;
-    return std::make_unique<LocalFunctional>(*this, x, moves);
+    Restriction around;
+    auto energy = distortion.part(x, moves, around);
+    return std::make_unique<LocalFunctional>(*this, x, std::move(around), std::move(energy));
 }
 
 std::unique_ptr<LocalFunctional> LocalFunctional::part(const std::vector<double>& y, std::vector<char> moves) const {

@@ -11,22 +11,11 @@
 
 namespace almesh {
 
-struct ElementsAround {
-    Restriction around_;
-    std::vector<double> lambda_;
-    std::unique_ptr<DistortionEnergy> energy_;
-    std::unique_ptr<Constraint> constraint_;
-
-    ElementsAround(const AugmentedFunctional& E, const std::vector<double>& x, const std::vector<char>& moves)
-        : lambda_(E.lambda),
-          energy_(E.distortion.part(x, moves, around_)),
-          constraint_(E.constraint.part(around_, lambda_)) {}
-};
-
-class LocalFunctional : private ElementsAround, public Functional {
+class LocalFunctional : public Functional {
 public:
-    // x: node_count x dim, a valid mesh. moves: per node, not all zero.
-    LocalFunctional(const AugmentedFunctional& E, const std::vector<double>& x, const std::vector<char>& moves);
+    // x: node_count x dim, a valid mesh. around: some of its nodes, energy: of the elements there.
+    LocalFunctional(const AugmentedFunctional& E, const std::vector<double>& x, Restriction around,
+                    std::unique_ptr<DistortionEnergy> energy);
 
     int nodes() const { return around_.moving; }
     // Copies the positions of the nodes that move from, and to, an array x of the whole functional.
@@ -50,6 +39,10 @@ public:
     std::unique_ptr<LocalFunctional> part(const std::vector<double>& y, std::vector<char> moves) const override;
 
 private:
+    Restriction around_;
+    std::unique_ptr<DistortionEnergy> energy_;
+    std::vector<double> lambda_;
+    std::unique_ptr<Constraint> constraint_;
     AugmentedFunctional E_;  // of all nodes of the elements; up to a constant that of the whole
     int dim_;
     mutable std::vector<double> at_, to_, g_;

@@ -84,12 +84,16 @@ struct NewtonResult {
     double omega = 0;  // the tolerance that was used
 };
 
-// Policies that adapt to the steps. The defaults are for a whole mesh; local_elimination.cpp sets those for few nodes.
+// Policies that adapt to the steps. The defaults are for a whole mesh.
 struct NewtonPolicies {
     Forcing forcing = Forcing::automatic;
     Damping damping = {};
     EigenvalueFiltering filtering = EigenvalueFiltering::of_mesh();
     LocalElimination elimination = {};
+
+    static NewtonPolicies of_few_nodes(LocalElimination::Of of = LocalElimination::Of::nothing) {
+        return {{}, Damping::none(), EigenvalueFiltering::of_few_nodes(), {of}};
+    }
 };
 
 using NewtonObserver = std::function<void(const NewtonStep&)>;

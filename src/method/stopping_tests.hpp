@@ -32,18 +32,6 @@
 
 namespace almesh {
 
-// After a step of this length that took E from energy_before to energy; distortion: its part of E now.
-inline bool is_out_of_reach(double largest_energy, double energy_before, double energy, double step_length,
-                            double distortion) {
-    return energy > largest_energy && step_length >= 1 && energy_before - energy < 1e-3 * energy &&
-           distortion < 0.1 * energy;
-}
-
-// by_rounding: the line search's result for the step that took |grad E| from g_before to g.
-inline bool at_attainable_accuracy(bool by_rounding, double g_before, double g, double omega) {
-    return by_rounding && g > 0.5 * g_before && g > omega;
-}
-
 class StoppingTests {
     static constexpr double short_step = 1e-8, unchanged = 1e-14;  // unchanged: relative difference of two energies
     static constexpr int most_futile_steps = 3;
@@ -96,13 +84,13 @@ public:
         if (invisible_gain_ >= visible) invisible_gain_ = invisible_length_ = 0;
         if (visible > 0 && invisible_length_ >= most_invisible && at.gradient_norm > at.omega)
             return Status::no_visible_gain;
-        if (at.energy > params_.largest_energy) {
-            const double lost = E.lost_energy(x);
-            if (is_out_of_reach(params_.largest_energy, before.energy - lost, at.energy - lost, step.step_length,
-                                E.distortion_energy(x, at.energy)))
+        if (at.energy > params_.largest_energy && step.step_length >= 1) {
+            const double lost = E.lost_energy(x), energy = at.energy - lost;
+            if (energy > params_.largest_energy && before.energy - lost - energy < 1e-3 * energy &&
+                E.distortion_energy(x, at.energy) < 0.1 * energy)
                 return Status::stalled;
         }
-        if (at_attainable_accuracy(step.by_rounding, before.gradient_norm, at.gradient_norm, at.omega))
+        if (step.by_rounding && at.gradient_norm > 0.5 * before.gradient_norm && at.gradient_norm > at.omega)
             return Status::attainable_accuracy;
         return std::nullopt;
     }

@@ -180,10 +180,7 @@ CornerSmoothing smooth_corners(const Mesh& mesh, const std::vector<char>& fixed,
     std::vector<double> at = x;
     for (int p = first_power; p <= last_power && worst.any() && worst.least > 0; p *= 2) {
         CornerFunctional E(mesh, worst.moves, worst.least, p, energy, at);
-        Newton newton(E.hessian_pattern(), linear,
-                      {.damping = Damping::none(),
-                       .filtering = EigenvalueFiltering::of_few_nodes(),
-                       .elimination = {LocalElimination::Of::nothing}});
+        Newton newton(E.hessian_pattern(), linear, NewtonPolicies::of_few_nodes());
         std::vector<double> y = E.read(at);
         NewtonParams params{.omega = 0, .max_iterations = steps_of_power, .least_gain = worthwhile * E.energy(y)};
         result.newton_steps += newton.minimise(E, params, y).iterations;

@@ -1,7 +1,6 @@
 #include "problem/curving.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 
 #include "problem/curved_part.hpp"

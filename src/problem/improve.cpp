@@ -1,7 +1,6 @@
 #include "problem/improve.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
 

@@ -1,7 +1,6 @@
 #include "problem/kept_surface.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "base/table.hpp"
 #include "check/boundary_distance.hpp"

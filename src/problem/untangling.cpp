@@ -201,10 +201,7 @@ struct Untangling {
         const std::vector<int> elements = restriction_to(moves, mesh_).element;
         const auto is_valid_now = [&] { return is_valid(*local, elements, x); };
         if (is_valid_now()) return false;  // a neighbour of one that is not
-        Newton newton(local->hessian_pattern(), linear_,
-                      {.damping = Damping::none(),
-                       .filtering = EigenvalueFiltering::of_few_nodes(),
-                       .elimination = {LocalElimination::Of::nothing}});
+        Newton newton(local->hessian_pattern(), linear_, NewtonPolicies::of_few_nodes());
         const auto minimise = [&](double reduction, int steps) {
             NewtonParams params{.omega = std::numeric_limits<double>::max(), .reduction = reduction};
             params.max_iterations = steps;

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <limits>
+#include <vector>
 
 #include "support/meshes.hpp"
 #include "support/minimisation.hpp"
@@ -10,27 +11,67 @@
 using namespace almesh;
 using namespace almesh::test;
 
+namespace {
+
+// With these parts of its energy.
+struct WithParts : AugmentedFunctional {
+    double distortion_part, lost;
+
+    WithParts(const AugmentedFunctional& E, double of_distortion, double of_error)
+        : AugmentedFunctional(E), distortion_part(of_distortion), lost(of_error) {}
+    double distortion_energy(const std::vector<double>&, double) const override { return distortion_part; }
+    double lost_energy(const std::vector<double>&) const override { return lost; }
+};
+
+}  // namespace
+
 TEST_CASE("out of reach: a full step gains less than a thousandth, and nine tenths of the energy are penalty") {
-    const auto found = [](double energy, double gained, double step_length, double distortion) {
-        return is_out_of_reach(100, energy * (1 + gained), energy, step_length, distortion * energy);
+    const Minimisation problem(square_mesh(2), {}, Objective::squared);
+    NewtonParams params{.largest_energy = 100};
+    const auto found = [&](double energy, double gained, double step_length, double distortion, double lost = 0) {
+        const WithParts E(problem.functional(1), distortion * energy, lost);
+        NewtonStep step;
+        step.has_direction = true;
+        step.step_length = step_length;
+        NewtonResult before, at;
+        before.energy = lost + energy * (1 + gained);
+        at.energy = lost + energy;
+        return StoppingTests(params).after_step(step, before, at, E, problem.ideal) == Status::stalled;
     };
     CHECK(found(101, 0.9e-3, 1, 0.09));
     CHECK(found(101, 0.9e-3, 2, 0.09));
+    CHECK(found(101, 0.9e-3, 1, 0.09, 50));
     CHECK_FALSE(found(99, 0.9e-3, 1, 0.09));
+    CHECK_FALSE(found(99, 0.9e-3, 1, 0.09, 50));
     CHECK_FALSE(found(101, 1.1e-3, 1, 0.09));
+    CHECK_FALSE(found(101, 1.1e-3, 1, 0.09, 50));
     CHECK_FALSE(found(101, 0.9e-3, 0.5, 0.09));
     CHECK_FALSE(found(101, 0.9e-3, 1, 0.11));
-    CHECK_FALSE(is_out_of_reach(NewtonParams().largest_energy, 1e300, 1e300, 1, 0));
+    params = {};
+    CHECK_FALSE(found(1e300, 0, 1, 0));
 }
 
 TEST_CASE("below rounding the iteration goes on while a step halves the gradient, and until it is small enough") {
-    constexpr double omega = 1e-8;
-    CHECK(at_attainable_accuracy(true, 1e-3, 0.6e-3, omega));
-    CHECK(at_attainable_accuracy(true, 1e-3, 2e-3, omega));
-    CHECK_FALSE(at_attainable_accuracy(true, 1e-3, 0.4e-3, omega));
-    CHECK_FALSE(at_attainable_accuracy(true, 1e-3, 1e-5, omega));
-    CHECK_FALSE(at_attainable_accuracy(false, 1e-3, 2e-3, omega));
-    CHECK_FALSE(at_attainable_accuracy(true, 1e-8, 0.9e-8, omega));
+    const Minimisation problem(square_mesh(2), {}, Objective::squared);
+    const AugmentedFunctional E = problem.functional(1);
+    const NewtonParams params;
+    const auto ends = [&](bool by_rounding, double gradient_before, double gradient) {
+        NewtonStep step;
+        step.has_direction = true;
+        step.step_length = 1;
+        step.by_rounding = by_rounding;
+        NewtonResult before, at;
+        before.gradient_norm = gradient_before;
+        at.gradient_norm = gradient;
+        at.omega = 1e-8;
+        return StoppingTests(params).after_step(step, before, at, E, problem.ideal) == Status::attainable_accuracy;
+    };
+    CHECK(ends(true, 1e-3, 0.6e-3));
+    CHECK(ends(true, 1e-3, 2e-3));
+    CHECK_FALSE(ends(true, 1e-3, 0.4e-3));
+    CHECK_FALSE(ends(true, 1e-3, 1e-5));
+    CHECK_FALSE(ends(false, 1e-3, 2e-3));
+    CHECK_FALSE(ends(true, 1e-8, 0.9e-8));
 }
 
 TEST_CASE("the last local step gains too little, or takes the work or the steps beyond their bounds") {
