@@ -174,7 +174,9 @@ double Dirichlet::error_between_nodes(const std::vector<double>& x) {
 }
 
 std::vector<double> Dirichlet::relative_errors(const std::vector<double>& x) const {
-    return trace_.relative_distances(x, targets(x));
+    std::vector<double> errors = trace_.distances(x, targets(x));
+    for (std::size_t t = 0; t < errors.size(); ++t) errors[t] /= trace_.height[t];
+    return errors;
 }
 
 std::vector<char> Dirichlet::off_target(const std::vector<double>& x) const {

@@ -277,8 +277,7 @@ std::unique_ptr<Surface> fit_surface(int dim, const std::vector<Vec<3>>& points,
     if (!(fit.size > 0)) return nullptr;
     std::unique_ptr<Surface> found;
     const auto holds = [&] { return found && fit.holds(*found, tolerance); };
-    if (length(normal) > 0) found = std::make_unique<Plane>(fit.centre, unit(normal), dim);
-    if (found) {  // through the points' own mean, which is in the plane to rounding
+    if (length(normal) > 0) {  // through the points' own mean, which is in the plane to rounding
         Vec<3> mean{};
         for (const Vec<3>& x : points) mean = mean + 1.0 / count * (x - fit.centre);
         found = std::make_unique<Plane>(fit.centre + mean, unit(normal), dim);

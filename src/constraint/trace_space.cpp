@@ -197,12 +197,6 @@ std::vector<double> TraceSpace::distances(const std::vector<double>& x, const st
     return result;
 }
 
-std::vector<double> TraceSpace::relative_distances(const std::vector<double>& x, const std::vector<double>& y) const {
-    std::vector<double> result = distances(x, y);
-    for (int t = 0; t < count(); ++t) result[t] /= height[t];
-    return result;
-}
-
 std::vector<double> TraceSpace::interpolation(const Mesh& mesh, const BoundaryTarget& target) const {
     std::vector<double> g_h(size());
     for (std::size_t k = faces.size(); k-- > 0;)  // the first face that has a node decides, as in at_target()

@@ -64,9 +64,8 @@ struct TraceSpace {
             for (int a = 0; a < n; ++a) Mv[a] += M.value[k] * v[offset(M.col[k], n, a)];
     }
 
-    // |x - y| at the trace nodes, x: mesh nodes x dim; relative: over the height of the cells there.
+    // |x - y| at the trace nodes, x: mesh nodes x dim.
     std::vector<double> distances(const std::vector<double>& x, const std::vector<double>& y) const;
-    std::vector<double> relative_distances(const std::vector<double>& x, const std::vector<double>& y) const;
 
     // The target at the nodes, and its projection, M g_h = (N, g_D), with the nodes of fixed boundaries held there.
     std::vector<double> interpolation(const Mesh& mesh, const BoundaryTarget& target) const;

@@ -35,11 +35,10 @@ std::vector<double> targets_at(const Level& level, double fraction) {
         return part->targets(level.ideal);
     const int dim = level.mesh.dim;
     const std::vector<int>& nodes = level.constraint->nodes();
-    for (std::size_t t = 0; t < nodes.size(); ++t)
-        for (int a = 0; a < dim; ++a) {
-            const double from = level.ideal[offset(nodes[t], dim, a)];
-            targets[offset(t, dim, a)] = from + fraction * (targets[offset(t, dim, a)] - from);
-        }
+    for (int t = 0; t < static_cast<int>(nodes.size()); ++t) {
+        const Vec<3> from = at_node(level.ideal, nodes[t], dim);
+        set_node(targets, t, dim, from + fraction * (at_node(targets, t, dim) - from));
+    }
     return targets;
 }
 

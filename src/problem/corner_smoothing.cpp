@@ -123,8 +123,7 @@ private:
         std::array<Vec<3>, 3> edge{{{}, {}, {0, 0, 1}}};
         double lengths = 1;
         for (int k = 0; k < dim_; ++k) {
-            for (int a = 0; a < dim_; ++a)
-                edge[k][a] = point(at_, corner.node[k + 1], dim_)[a] - point(at_, corner.node[0], dim_)[a];
+            edge[k] = at_node(at_, corner.node[k + 1], dim_) - at_node(at_, corner.node[0], dim_);
             lengths *= length(edge[k]);
         }
         const double det = dot(edge[0], cross(edge[1], edge[2]));

@@ -112,12 +112,9 @@ BoundaryTarget CurvedPart::fixed_at(const std::vector<double>& positions) const 
 
 std::vector<char> CurvedPart::nodes_to_free(const Infeasible& infeasible, bool around) const {
     if (around) return almesh::nodes_to_free(*this, fixed_at(curved), infeasible);
-    std::vector<char> is_chosen(element_count(), 0), on_face(nodes(), 0);
+    std::vector<char> is_chosen(element_count(), 0);
     for (const int e : elements_of(*this, infeasible)) is_chosen[e] = 1;
-    for_face_nodes(*this, [&](int f, std::size_t k) {
-        if (is_chosen[face_element[f]]) on_face[faces[k]] = 1;
-    });
-    return on_face;
+    return nodes_with(*this, [&](int f, std::size_t) { return is_chosen[face_element[f]]; });
 }
 
 void CurvedPart::free_nodes(std::vector<char> chosen) {

@@ -47,12 +47,6 @@ std::vector<int> invalid_elements(const Problem& problem, const std::vector<doub
     return invalid;
 }
 
-std::vector<char> valid_elements(const Mesh& mesh, const std::vector<double>& x) {
-    std::vector<char> valid;
-    for (const double bound : certify(mesh, x).lower_bound) valid.push_back(bound > 0);
-    return valid;
-}
-
 // Whether the file's mesh may be the result: regular ideal elements, and a boundary that stays on its surface.
 bool may_stay(const ProblemOptions& options, const Problem& problem) {
     const auto stays = [](const Motion& motion) {
@@ -219,8 +213,7 @@ void raise_worst_corners(const ProblemOptions& options, const Problem& problem, 
         solution.al.status != Status::converged || options.power)
         return;
     const Level& level = *problem.level;
-    std::vector<char> fixed(mesh.nodes(), 0);
-    for (const int i : level.constraint->nodes()) fixed[i] = 1;
+    std::vector<char> fixed = level.on_boundary();
     for (int e = 0; e < mesh.element_count(); ++e)
         for (int k = 0; k < mesh.element_nodes(e) && !is_feasible(problem, e); ++k) fixed[mesh.element(e)[k]] = 1;
     const CornerSmoothing found = smooth_corners(mesh, fixed, *level.energy, options.linear, solution.x);
@@ -248,9 +241,7 @@ std::vector<double> moved_vertices(const ProblemSetup& setup, const Problem& pro
     const Mesh& mesh = problem.mesh();
     const int dim = mesh.dim;
     Mesh moved = mesh;
-    std::vector<char> is_vertex(mesh.nodes(), 0);
-    for (int e = 0; e < mesh.element_count(); ++e)
-        for (int v = 0; v < mesh.cell(e).vertices; ++v) is_vertex[mesh.element(e)[v]] = 1;
+    const std::vector<char> is_vertex = vertices_of(mesh);
     std::size_t from = 0;
     for (std::size_t k = 0; k < mesh.x.size(); ++k) {
         if (!is_vertex[k / dim]) continue;
@@ -271,7 +262,9 @@ std::vector<double> moved_vertices(const ProblemSetup& setup, const Problem& pro
 
 void set_regular_elements(Problem& problem) {
     const Mesh& mesh = problem.mesh();
-    problem.regular = local_volumes(mesh, mesh.x, valid_elements(mesh, mesh.x));
+    std::vector<char> valid;
+    for (const double bound : certify(mesh, mesh.x).lower_bound) valid.push_back(bound > 0);
+    problem.regular = local_volumes(mesh, mesh.x, valid);
 }
 
 Solution improve(const ProblemSetup& setup, Problem& problem, const Solve& solve, int& newton_steps, std::FILE* out) {

@@ -21,11 +21,7 @@ std::vector<char> kept_boundaries(const Problem& problem) {
 }
 
 std::vector<char> nodes_of_faces(const Mesh& mesh, const std::vector<char>& chosen) {
-    std::vector<char> nodes(mesh.nodes(), 0);
-    for_face_nodes(mesh, [&](int f, std::size_t k) {
-        if (chosen[f]) nodes[mesh.faces[k]] = 1;
-    });
-    return nodes;
+    return nodes_with(mesh, [&](int f, std::size_t) { return chosen[f]; });
 }
 
 // Fixes those of the nodes that slide on boundaries that stay. Returns their number.

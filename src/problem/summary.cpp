@@ -27,8 +27,6 @@ struct Run {
     Units units;
 };
 
-double peak_memory_mb() { return peak_memory() / (1024 * 1024); }
-
 std::string text(const char* word) { return word; }
 std::string text(long long count) { return std::to_string(count); }
 std::string text(double value, int digits) { return to_text(value, digits); }
@@ -174,7 +172,8 @@ constexpr auto quantities = std::to_array<Quantity>({
     {{"threads", "threads of the run"}, count, [](R) { return text(max_threads()); }},
     {{"predicted_memory_mb", "memory that the run was expected to need, before it began, MB"}, decimal,
      [](R r) { return text(r.solution.predicted_bytes / 1e6, 4); }},
-    {{"peak_memory_mb", "largest memory of the process, MB"}, decimal, [](R) { return text(peak_memory_mb(), 4); }},
+    {{"peak_memory_mb", "largest memory of the process, MB"}, decimal,
+     [](R) { return text(peak_memory() / (1024 * 1024), 4); }},
 });
 
 const Quantity& find_quantity(std::string_view name) {
