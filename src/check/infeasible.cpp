@@ -5,8 +5,8 @@
 
 #include "base/table.hpp"
 #include "base/files.hpp"
-#include "constraint/constraint.hpp"
 #include "constraint/sliding.hpp"
+#include "constraint/sliding_nodes.hpp"
 #include "constraint/target.hpp"
 #include "geometry/face_patches.hpp"
 #include "mesh/split.hpp"

@@ -10,7 +10,6 @@
 // Evaluations use work space of the object: one call at a time. x: node_count x dim positions everywhere.
 #pragma once
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -20,18 +19,6 @@
 #include "mesh/restriction.hpp"
 
 namespace almesh {
-
-inline Vec<3> in_space(const double* x, int dim) {  // dim coordinates, in 2D with a third of 0
-    Vec<3> result{};
-    std::copy_n(x, dim, result.begin());
-    return result;
-}
-
-// Of a field v, nodes x dim.
-inline Vec<3> at_node(const std::vector<double>& v, int node, int dim) { return in_space(point(v, node, dim), dim); }
-inline void set_node(std::vector<double>& v, int node, int dim, const Vec<3>& value) {
-    std::copy_n(value.begin(), dim, point(v, node, dim));
-}
 
 // The residual r of a node at x, zero if P c = 0 there, and its derivative.
 struct SurfaceDistance {
@@ -96,19 +83,5 @@ public:
     // Per node: whether x is off its target, exactly or, for a node that slides, by more than rounding.
     virtual std::vector<char> off_target(const std::vector<double>& /*x*/) const { return {}; }
 };
-
-// Per node of the mesh: the number of directions in which the constraint fixes it, from 0 (free) to dim (fixed). Empty
-// if x does not satisfy the constraint.
-inline std::vector<int> held_directions(Constraint& constraint, const std::vector<double>& x, int dim) {
-    constexpr double off_target = 1e-10;
-    if (!(constraint.max_error(x) <= off_target)) return {};
-    std::vector<int> held(x.size() / dim, 0);
-    const std::vector<int>& nodes = constraint.nodes();
-    for (int t = 0; t < static_cast<int>(nodes.size()); ++t) {
-        const Mat<3> D = constraint.distance(t, at_node(x, nodes[t], dim)).slope;  // nearly a projector
-        held[nodes[t]] = std::min(dim, static_cast<int>(std::lround(D[0][0] + D[1][1] + D[2][2])));
-    }
-    return held;
-}
 
 }  // namespace almesh

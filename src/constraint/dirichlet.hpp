@@ -22,7 +22,7 @@
 #include <memory>
 #include <vector>
 
-#include "constraint/constraint.hpp"
+#include "constraint/sliding_nodes.hpp"
 #include "constraint/target.hpp"
 #include "constraint/trace_space.hpp"
 #include "mesh/mesh.hpp"

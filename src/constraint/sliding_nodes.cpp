@@ -59,6 +59,18 @@ void check_prescribed_on_surface(const Mesh& mesh, const SlidingSurfaces& slidin
 
 }  // namespace
 
+std::vector<int> held_directions(Constraint& constraint, const std::vector<double>& x, int dim) {
+    constexpr double off_target = 1e-10;
+    if (!(constraint.max_error(x) <= off_target)) return {};
+    std::vector<int> held(x.size() / dim, 0);
+    const std::vector<int>& nodes = constraint.nodes();
+    for (int t = 0; t < static_cast<int>(nodes.size()); ++t) {
+        const Mat<3> D = constraint.distance(t, at_node(x, nodes[t], dim)).slope;  // nearly a projector
+        held[nodes[t]] = std::min(dim, static_cast<int>(std::lround(D[0][0] + D[1][1] + D[2][2])));
+    }
+    return held;
+}
+
 Vec<3> at_distances(const SlidingSurfaces& sliding, const std::vector<int>& parts, Vec<3> x,
                     const std::array<double, 3>& distances) {
     for (int step = 0; step < most_steps; ++step) {

@@ -1,5 +1,6 @@
 // The nodes that slide, and how far they are from their surfaces (sliding_boundary.hpp).
 #pragma once
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -10,6 +11,22 @@ namespace almesh {
 struct BoundaryTarget;
 struct Mesh;
 class SlidingSurfaces;
+
+inline Vec<3> in_space(const double* x, int dim) {  // dim coordinates, in 2D with a third of 0
+    Vec<3> result{};
+    std::copy_n(x, dim, result.begin());
+    return result;
+}
+
+// Of a field v, nodes x dim.
+inline Vec<3> at_node(const std::vector<double>& v, int node, int dim) { return in_space(point(v, node, dim), dim); }
+inline void set_node(std::vector<double>& v, int node, int dim, const Vec<3>& value) {
+    std::copy_n(value.begin(), dim, point(v, node, dim));
+}
+
+// Per node of the mesh: the number of directions in which the constraint fixes it, from 0 (free) to dim (fixed). Empty
+// if x does not satisfy the constraint.
+std::vector<int> held_directions(Constraint& constraint, const std::vector<double>& x, int dim);
 
 // The common point of the surfaces of the parts, by iteration from x.
 Vec<3> on_surfaces(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x);

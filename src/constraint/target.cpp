@@ -9,7 +9,7 @@
 #include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "base/table.hpp"
-#include "constraint/constraint.hpp"
+#include "constraint/sliding_nodes.hpp"
 #include "constraint/surface.hpp"
 #include "linalg/vector_ops.hpp"
 #include "mesh/lagrange.hpp"

@@ -6,7 +6,7 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
-#include "constraint/constraint.hpp"
+#include "constraint/sliding_nodes.hpp"
 #include "geometry/patch.hpp"
 #include "linalg/direct/cholesky.hpp"
 #include "linalg/vector_ops.hpp"

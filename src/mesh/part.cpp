@@ -169,13 +169,6 @@ std::vector<int> elements_of(const ElementGroup& group) {
     return elements;
 }
 
-std::vector<char> vertices_of(const Mesh& mesh) {
-    std::vector<char> is_vertex(mesh.nodes(), 0);
-    for (int e = 0; e < mesh.element_count(); ++e)
-        for (int v = 0; v < mesh.cell(e).vertices; ++v) is_vertex[mesh.element(e)[v]] = 1;
-    return is_vertex;
-}
-
 Mesh of_one_type(const Mesh& mesh, const std::vector<int>& elements) {
     Mesh part;
     part.dim = mesh.dim;

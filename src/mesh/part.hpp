@@ -27,8 +27,6 @@ MeshPart part_of(const Mesh& mesh, const std::vector<char>& chosen, const std::s
 // nearest one counts. Lengths are straight, between the vertices in mesh.x.
 std::vector<char> surroundings(const Mesh& mesh, const std::vector<char>& chosen, double reach);
 
-std::vector<char> vertices_of(const Mesh& mesh);  // per node: whether an element has it as a vertex
-
 // These elements, of one type, with all nodes and no faces.
 Mesh of_one_type(const Mesh& mesh, const std::vector<int>& elements);
 std::vector<int> elements_of(const ElementGroup& group);

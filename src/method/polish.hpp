@@ -5,6 +5,7 @@
 #pragma once
 #include <vector>
 
+#include "constraint/sliding_nodes.hpp"
 #include "constraint/surface.hpp"
 #include "method/functional.hpp"
 #include "method/newton.hpp"

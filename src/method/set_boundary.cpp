@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "base/interrupt.hpp"
+#include "constraint/sliding_nodes.hpp"
 #include "linalg/vector_ops.hpp"
 #include "method/functional.hpp"
 

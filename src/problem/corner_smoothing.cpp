@@ -9,6 +9,7 @@
 #include "base/small_matrix.hpp"
 #include "base/text.hpp"
 #include "check/scaled_jacobian.hpp"
+#include "constraint/sliding_nodes.hpp"
 #include "geometry/patch.hpp"
 #include "mesh/restriction.hpp"
 #include "method/local_functional.hpp"

@@ -241,7 +241,9 @@ std::vector<double> moved_vertices(const ProblemSetup& setup, const Problem& pro
     const Mesh& mesh = problem.mesh();
     const int dim = mesh.dim;
     Mesh moved = mesh;
-    const std::vector<char> is_vertex = vertices_of(mesh);
+    std::vector<char> is_vertex(mesh.nodes(), 0);
+    for (int e = 0; e < mesh.element_count(); ++e)
+        for (int v = 0; v < mesh.cell(e).vertices; ++v) is_vertex[mesh.element(e)[v]] = 1;
     std::size_t from = 0;
     for (std::size_t k = 0; k < mesh.x.size(); ++k) {
         if (!is_vertex[k / dim]) continue;

@@ -17,10 +17,21 @@
 #include "base/table.hpp"
 #include "mesh/cells.hpp"
 #include "mesh/node_key.hpp"
-#include "mesh/part.hpp"
 
 namespace almesh {
 namespace {
+
+double vertex_count(const Mesh& mesh) {
+    std::vector<char> is_vertex(mesh.nodes(), 0);
+    double count = 0;
+    for (int e = 0; e < mesh.element_count(); ++e)
+        for (int i = 0; i < mesh.cell(e).vertices; ++i) {
+            char& known = is_vertex[mesh.element(e)[i]];
+            count += !known;
+            known = 1;
+        }
+    return count;
+}
 
 // Of a node of the entity with one that it would have with the other degree, and no part of its boundary has both. With
 // degree 0, one node for each entity: the nodes of the entity that are on no part of its boundary.
@@ -42,8 +53,7 @@ std::map<const CellType*, double> entities_of(const Mesh& mesh) {
             count[&group.cell->face_type(k)] += 0.5 * group.count;
     }
     for (int f = 0; f < mesh.face_count(); ++f) count[&mesh.face_cell(f)] += mesh.is_inner(f) ? 0 : 0.5;
-    const std::vector<char> is_vertex = vertices_of(mesh);
-    count[&simplex(0)] = static_cast<double>(std::count(is_vertex.begin(), is_vertex.end(), 1));
+    count[&simplex(0)] = vertex_count(mesh);
     double alternating = 0;
     for (const auto& [cell, of_cell] : count) alternating += (cell->dim % 2 == 0 ? 1 : -1) * of_cell;
     if (mesh.dim == 3) count[&simplex(1)] = alternating - 1;

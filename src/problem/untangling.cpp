@@ -9,6 +9,7 @@
 #include "base/interrupt.hpp"
 #include "check/certificate.hpp"
 #include "check/infeasible.hpp"
+#include "constraint/sliding_nodes.hpp"
 #include "geometry/face_patches.hpp"
 #include "mesh/restriction.hpp"
 #include "mesh/quadrature.hpp"
