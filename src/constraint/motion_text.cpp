@@ -41,14 +41,6 @@ bool depends_on_time(Step step) {
            std::any_of(step.timed.begin(), step.timed.end(), [](const auto& n) { return n.formula.names_time(); });
 }
 
-TimedNumber timed_number(const MotionForm& form, int clause, std::size_t place, std::string_view text,
-                         const Constants& constants) {
-    Expression formula(text, constants);
-    if (formula.names_point())
-        refuse(form, "the formula ", with_quotes(text), " of a number may name t and constants alone");
-    return {clause, place, std::move(formula)};
-}
-
 // At t = 0, until the time is known; 0 where a table does not have it.
 double at_start(const Expression& formula) {
     try {
@@ -129,8 +121,11 @@ MotionStep parse_step(std::string_view text, const Constants& constants) {
             continue;
         }
         if (is_formula(written[i])) {
-            step.timed.push_back(timed_number(form, clause, numbers.size(), unquoted, constants));
-            numbers.push_back(at_start(step.timed.back().formula));
+            step.timed.push_back({clause, numbers.size(), Expression(unquoted, constants)});
+            const Expression& formula = step.timed.back().formula;
+            if (formula.names_point())
+                refuse(form, "the formula ", with_quotes(unquoted), " of a number may name t and constants alone");
+            numbers.push_back(at_start(formula));
             continue;
         }
         const std::string word = in_backquotes(written[i]);

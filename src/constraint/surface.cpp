@@ -11,8 +11,8 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <sstream>
 
+#include "base/table.hpp"
 #include "linalg/dense_solve.hpp"
 
 namespace almesh {
@@ -33,13 +33,6 @@ Mat<3> round(double R, std::initializer_list<Vec<3>> straight) {
             S[i][j] /= R;
         }
     return S;
-}
-
-template <class... Parts>
-std::string text(const Parts&... parts) {
-    std::ostringstream out;
-    (out << ... << parts);
-    return out.str();
 }
 
 // Radii below which a surface's second derivatives are not followed towards its centre or axis, over its radius.
@@ -64,7 +57,7 @@ struct Sphere final : Surface {
         const double radius = std::max(length(d), innermost * R);
         return projection_at(x, c + R * n, n, dim == 2 ? round(radius, {n, {0, 0, 1}}) : round(radius, {n}));
     }
-    std::string name() const override { return text(dim == 2 ? "circle" : "sphere", " of radius ", R); }
+    std::string name() const override { return concat(dim == 2 ? "circle" : "sphere", " of radius ", to_text(R, 6)); }
 };
 
 // The cylinder is a torus with an infinite axis: both are given by c, the unit axis a and their radii.
@@ -77,7 +70,7 @@ struct Cylinder final : Surface {
         const Vec<3> n = length(v) > 0 ? unit(v) : any_perpendicular(a);
         return projection_at(x, c + u + R * n, n, round(std::max(length(v), innermost * R), {n, a}));
     }
-    std::string name() const override { return text("cylinder of radius ", R); }
+    std::string name() const override { return concat("cylinder of radius ", to_text(R, 6)); }
 };
 
 struct Torus final : Surface {
@@ -94,7 +87,7 @@ struct Torus final : Surface {
             for (int j = 0; j < 3; ++j) S[i][j] += of_ring * along[i] * along[j];
         return projection_at(x, ring + r * n, n, S);
     }
-    std::string name() const override { return text("torus of radii ", R, " and ", r); }
+    std::string name() const override { return concat("torus of radii ", to_text(R, 6), " and ", to_text(r, 6)); }
 };
 
 using Residual = std::function<double(const std::vector<double>& parameters, const Vec<3>& x)>;

@@ -31,13 +31,6 @@ void move(const Motion& motion, const Mesh& mesh, int boundary, double* x) {
                              position_text(before.data(), mesh.dim), " to a position that is not finite");
 }
 
-// Of the basis functions at the points of the rule: points x nodes.
-std::vector<double> values_at(const LagrangeBasis& basis, const Quadrature& rule) {
-    std::vector<double> N(offset(rule.count, basis.count));
-    for (int q = 0; q < rule.count; ++q) basis.values(&rule.xi[q * basis.dim], &N[offset(q, basis.count)]);
-    return N;
-}
-
 // The weighted mean of the vertices at a node of a face; the weights add up to `degree`.
 double on_flat_face(const double* vertices, const std::vector<double>& weight, int degree, int dim, int a) {
     double position = 0;
@@ -140,7 +133,11 @@ std::vector<FaceRule> rules_of(const Mesh& mesh, int exactness) {
     std::size_t first = 0;
     for (const ElementGroup& group : mesh.face_groups()) {
         const Quadrature quadrature = cell_quadrature(*group.cell, exactness);
-        rules.push_back({group, quadrature, values_at(LagrangeBasis(*group.cell, mesh.degree), quadrature), first});
+        const LagrangeBasis basis(*group.cell, mesh.degree);
+        std::vector<double> N(offset(quadrature.count, basis.count));
+        for (int q = 0; q < quadrature.count; ++q)
+            basis.values(&quadrature.xi[q * basis.dim], &N[offset(q, basis.count)]);
+        rules.push_back({group, quadrature, std::move(N), first});
         first += offset(group.count, quadrature.count);
     }
     return rules;

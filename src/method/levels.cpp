@@ -2,6 +2,7 @@
 #include "method/levels.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/index.hpp"
 #include "base/interrupt.hpp"
@@ -9,8 +10,6 @@
 
 namespace almesh {
 namespace {
-
-double square(double v) { return v * v; }
 
 constexpr double penalty_growth = 100;  // from mesh to mesh
 constexpr double nearer = 0.5;  // distance to the target over the ideal mesh's: else curving is all that is left
@@ -41,7 +40,7 @@ Stage solve_level(const MethodParams& params, Timings& time, std::unique_ptr<Lev
     params.standing->fraction = 1;
     const std::vector<double> zero(x.size(), 0.0);
     solution.multipliers = level->with_boundary(level->constraint->multiplier_field(result.lambda), zero);
-    solution.mu = stage.last.mu / square(level->constraint->norm_of_one());
+    solution.mu = stage.last.mu / std::pow(level->constraint->norm_of_one(), 2);
     for (std::size_t i = 0; i < x.size(); ++i) x[i] -= level->ideal[i];
     solution.displacement = std::move(x);
     level->energy.reset();  // the largest part of it

@@ -9,16 +9,6 @@
 #include "method/stopping_tests.hpp"
 
 namespace almesh {
-namespace {
-
-// Every iterate of conjugate gradients with a positive definite preconditioner is a descent direction (truncated
-// Newton: Nocedal & Wright, sec. 7.1). If the Hessian is indefinite, another Hessian is better.
-bool is_truncated(SolveStatus status) {
-    return status == SolveStatus::stagnated || status == SolveStatus::max_iterations ||
-           status == SolveStatus::not_positive_definite;
-}
-
-}  // namespace
 
 NewtonResult Newton::minimise(const Functional& E, const NewtonParams& params, std::vector<double>& x,
                               const NewtonObserver& observe) {
@@ -102,7 +92,11 @@ bool Newton::find_direction(const Functional& E, const std::vector<double>& x, N
     step.ilu_shift = solve.diagonal_shift;
     step.preconditioner = solve.used == SolverKind::cholesky ? PreconditionerKind::automatic : solve.preconditioner;
     step.fallback = solve.failed_first;
-    const bool truncated = !may_be_indefinite && is_truncated(solve.status);
+    // Every iterate of conjugate gradients with a positive definite preconditioner is a descent direction (truncated
+    // Newton: Nocedal & Wright, sec. 7.1). If the Hessian is indefinite, another Hessian is better.
+    const bool truncated = !may_be_indefinite && (solve.status == SolveStatus::stagnated ||
+                                                  solve.status == SolveStatus::max_iterations ||
+                                                  solve.status == SolveStatus::not_positive_definite);
     return step.has_direction = (solve.status == SolveStatus::success || truncated) && dot(g_, d_) < 0;
 }
 

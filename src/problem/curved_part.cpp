@@ -19,13 +19,6 @@ constexpr double first_penalty = 1e3, next_penalty = 1e5;  // in units of |1|^2
 // penalty, and ten times nearer with the next one.
 constexpr double near = 0.25, nearer = 0.1;
 
-// The smooth surfaces at the nodes of the file, wherever they have slid meanwhile.
-std::shared_ptr<SlidingSurfaces> surfaces_of_part(const SlidingSurfaces& whole, const CurvedPart& part) {
-    auto surfaces = std::make_shared<SlidingSurfaces>(whole, part, whole.frame());
-    smooth_freed(part, part.fixed_at(whole.frame().to_file(part.in_file, part.dim)), *surfaces);
-    return surfaces;
-}
-
 // Minimises from result.x with growing penalties while the boundary comes near enough to its target; returns whether it
 // does.
 bool minimise(const ProblemOptions& options, const Level& level, int first_steps, CurvedPartResult& result) {
@@ -156,7 +149,12 @@ CurvedPartResult curve(const ProblemOptions& options, const CurvedPart& part, co
     problem.level->mesh.x = part.curved;
     problem.level->ideal = part.x;
     problem.target = part.fixed_at(part.curved);
-    if (!part.freed.empty()) problem.sliding = surfaces_of_part(*surfaces, part);
+    if (!part.freed.empty()) {  // along smooth surfaces at the nodes of the file, wherever they have slid meanwhile
+        const Frame& frame = surfaces->frame();
+        const auto of_part = std::make_shared<SlidingSurfaces>(*surfaces, part, frame);
+        smooth_freed(part, part.fixed_at(frame.to_file(part.in_file, part.dim)), *of_part);
+        problem.sliding = of_part;
+    }
     set_functional(options, problem);
     const Level& level = *problem.level;
     CurvedPartResult result{part.start, {}, {}};

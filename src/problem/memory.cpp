@@ -23,14 +23,9 @@ namespace {
 
 double vertex_count(const Mesh& mesh) {
     std::vector<char> is_vertex(mesh.nodes(), 0);
-    double count = 0;
     for (int e = 0; e < mesh.element_count(); ++e)
-        for (int i = 0; i < mesh.cell(e).vertices; ++i) {
-            char& known = is_vertex[mesh.element(e)[i]];
-            count += !known;
-            known = 1;
-        }
-    return count;
+        for (int i = 0; i < mesh.cell(e).vertices; ++i) is_vertex[mesh.element(e)[i]] = 1;
+    return static_cast<double>(std::count(is_vertex.begin(), is_vertex.end(), 1));
 }
 
 // Of a node of the entity with one that it would have with the other degree, and no part of its boundary has both. With
