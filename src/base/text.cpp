@@ -159,7 +159,7 @@ std::string table_row(const std::vector<std::string>& cells, const std::vector<s
 
 std::string in_backquotes(std::string_view text) {
     constexpr std::size_t most = 80;
-    return concat("`", text.substr(0, most), text.size() > most ? "...`" : "`");
+    return concat("`", text.substr(0, std::min(most, text.find('\0'))), text.size() > most ? "...`" : "`");
 }
 
 std::string on_one_line(std::string text) {

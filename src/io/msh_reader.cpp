@@ -46,8 +46,9 @@ struct MshReader {
         const std::string end = (in.version == 10 ? "$END" : "$End") + rest;
         if (!in.version && name != "$MeshFormat" && name != "$Comments")
             in.fail("not a Gmsh mesh file of version 1, 2.2, 4.0 or 4.1: it has to begin with $MeshFormat or $NOD");
-        if (name.size() < 2 || name[0] != '$' || name.starts_with("$End") || name.starts_with("$END"))
-            in.fail("expected a section such as $Nodes, got `", name.substr(0, 40), "`");
+        if (rest.empty() || name[0] != '$' || rest.starts_with("End") || rest.starts_with("END") ||
+            rest.find('\0') != rest.npos)
+            in.fail("expected a section such as $Nodes, got ", in_backquotes(name));
         in.part = name;
         if (name == "$MeshFormat") format();
         else if (name == "$PhysicalNames") physical_names();

@@ -9,6 +9,7 @@
 #include "base/files.hpp"
 #include "base/index.hpp"
 #include "base/text.hpp"
+#include "io/text_scanner.hpp"
 
 namespace almesh {
 namespace {

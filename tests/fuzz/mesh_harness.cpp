@@ -88,9 +88,10 @@ void check_mesh(const Mesh& mesh) {
                 check_read_back(mesh, format);
 }
 
-// A file with the coordinates that it has is the same file.
+// A file with the coordinates that it has is the same file, where it can be written again.
 void check_patched(std::string_view bytes, const Mesh& mesh) {
-    demand(patched(bytes, mesh.file.coordinates, mesh.x) == bytes, "with its own coordinates it is another file");
+    demand(mesh.file.coordinates.first.empty() || patched(bytes, mesh.file.coordinates, mesh.x) == bytes,
+           "with its own coordinates it is another file");
 }
 
 void check_info(std::string_view bytes, const std::string& name) {
