@@ -75,8 +75,8 @@ said       = $(if $(V),,@printf '%-5s %s\n' '$(1)' '$(2)')
 .PHONY: all quick run-quick-tests oracle run help test test-page page run-tests run-oracle run-patch patch long-tests \
         doctest python numpy asan fuzz bench compare compare-cholmod compare-gmsh compare-improve \
         cad-models cad-examples cholmod paper gauntlet generated untangle improve slurm certificates defaults \
-        derivatives drift coupling run-fast-tests run-fast-app-tests run-fast-other-tests matrix reproduce mutants \
-        check-targets figures meshes lessons readmes check-lessons student with-solutions wrong-answers animation \
+        derivatives drift coupling judges run-fast-tests run-fast-app-tests run-fast-other-tests matrix \
+        reproduce mutants check-targets figures meshes lessons readmes check-lessons student with-solutions wrong-answers animation \
         quality clean examples help-all FORCE
 
 all: almesh ## build the program ./almesh
@@ -341,6 +341,9 @@ improve: almesh ##check improve all meshes in inputs/ and some by gmsh: none may
 
 patch: almesh python ##check meshes of a folder come back the same byte by byte, and moved with other coordinates alone (MESHES=folder)
 	tests/patch.py $(or $(MESHES),inputs tests/io/data tests/fuzz/seeds)
+
+judges: almesh ##check VTK's readers, gmsh and meshio find files the same but for the nodes (python3-vtk9, python3-gmsh, python3-meshio)
+	$(PYTHON) tests/judges.py $(ONLY)
 
 generated: almesh python ##check run a hundred generated cases, twisted, bent, squeezed: a table (ONLY=17,23)
 	$(PYTHON) tests/generated.py --almesh ./almesh $(if $(ONLY),--only $(ONLY))

@@ -126,6 +126,9 @@ class Checker:
         last = (done.stdout.strip().splitlines() or [""])[-1]
         return final if final.exists() else None, done.returncode, last
 
+    def is_solid(self, path):
+        return re.search(r"tetrahedr|hexahedr|prism|pyramid", self.run("info", path).stdout) is not None
+
     def check(self, path):
         """A word on the file, and whether it is a fault."""
         if self.run("quality", path).returncode != 0:
@@ -136,8 +139,7 @@ class Checker:
             return f"cannot be run: {last}", False
         if final.read_bytes() != before:
             return "with every boundary fixed other bytes come back", True
-        is_solid = re.search(r"tetrahedr|hexahedr|prism|pyramid", self.run("info", path).stdout)
-        final, code, last = self.moved(path, 'expression "x + 0.05*y" "y"' + (' "z"' if is_solid else ""))
+        final, code, last = self.moved(path, 'expression "x + 0.05*y" "y"' + (' "z"' if self.is_solid(path) else ""))
         if final is None or code != 0:
             return f"the same bytes; not moved: {last}", False
         after = final.read_bytes()
