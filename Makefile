@@ -75,7 +75,7 @@ said       = $(if $(V),,@printf '%-5s %s\n' '$(1)' '$(2)')
 .PHONY: all quick run-quick-tests oracle run help test test-page page run-tests run-oracle run-patch patch long-tests \
         doctest python numpy asan fuzz bench compare compare-cholmod compare-gmsh compare-improve \
         cad-models cad-examples cholmod paper gauntlet generated untangle improve slurm certificates defaults \
-        derivatives drift coupling judges run-fast-tests run-fast-app-tests run-fast-other-tests matrix \
+        derivatives drift coupling calculix judges run-fast-tests run-fast-app-tests run-fast-other-tests matrix \
         reproduce mutants check-targets figures meshes lessons readmes check-lessons student with-solutions wrong-answers animation \
         quality clean examples help-all FORCE
 
@@ -366,6 +366,10 @@ coupling: almesh ##compare meshes moved for dolfinx, CalculiX and OpenFOAM, thos
 	@for client in heat sinking shape calculix openfoam piston; do \
 	  python=$$(for p in $(PYTHON) /usr/bin/python3; do $$p -c 'import dolfinx' 2>/dev/null && echo $$p && break; done); \
 	  $${python:-$(PYTHON)} plot/coupling/$$client.py || exit 1; echo; done
+
+calculix: almesh ##compare CAD parts that CalculiX refuses, mended, and input files as they come back (calculix-ccx, python3-gmsh; INPUTS=folder)
+	$(PYTHON) plot/coupling/calculix_parts.py $(ONLY)
+	$(PYTHON) plot/coupling/calculix_decks.py $(INPUTS)
 
 drift: almesh $(BUILD)/examples/comparators ##compare ten periods of a moving plate, beside elasticity and radial basis functions (scipy)
 	$(PYTHON) plot/drift.py

@@ -9,7 +9,6 @@
 #include "base/files.hpp"
 #include "base/index.hpp"
 #include "base/text.hpp"
-#include "io/text_scanner.hpp"
 
 namespace almesh {
 namespace {
