@@ -45,7 +45,8 @@ TEST_CASE("a local functional's energy, gradient and Hessian are those of the fu
         const std::vector<double> lambda(problem.constraint.multipliers(), 0.3);
         const AugmentedFunctional E{weighted, problem.constraint, lambda, 50};
         const std::vector<char> moves = some_nodes(problem.mesh.nodes());
-        LocalFunctional local(E, problem.ideal, moves);
+        const std::unique_ptr<LocalFunctional> local_part = E.part(problem.ideal, moves);
+        LocalFunctional& local = *local_part;
 
         // At the start and away from it, in the numbers of the local functional.
         const std::vector<double> x = moved(problem.ideal, moves);
@@ -91,7 +92,8 @@ TEST_CASE("a part of a local functional is the part of the functional, in the nu
                                Objective::squared);
     const AugmentedFunctional E = problem.functional(50);
     const int nodes = problem.mesh.nodes();
-    const LocalFunctional local(E, problem.ideal, some_nodes(nodes));
+    const std::unique_ptr<LocalFunctional> local_part = E.part(problem.ideal, some_nodes(nodes));
+    const LocalFunctional& local = *local_part;
     std::vector<double> x = moved(problem.ideal, some_nodes(nodes)), y = local.read(x);
     std::vector<char> inner(local.nodes(), 0), of_mesh(nodes, 0);
     inner[1] = inner[2] = inner[6] = 1;
@@ -100,7 +102,8 @@ TEST_CASE("a part of a local functional is the part of the functional, in the nu
     local.write(of_local, is_inside);
     for (int i = 0; i < nodes; ++i) of_mesh[i] = is_inside[3 * i] != 0;
     const auto part = local.part(y, inner);
-    const LocalFunctional direct(E, x, of_mesh);
+    const std::unique_ptr<LocalFunctional> direct_part = E.part(x, of_mesh);
+    const LocalFunctional& direct = *direct_part;
     REQUIRE(part->nodes() == 3);
     std::vector<double> z = part->read(y), g(z.size()), expected(z.size());
     CHECK(z == direct.read(x));
@@ -120,7 +123,8 @@ TEST_CASE("a local functional knows no nodes but those that move, and inverted e
     const AugmentedFunctional E = problem.functional(10);
     std::vector<char> moves(problem.mesh.nodes(), 0);
     moves[0] = 1;
-    LocalFunctional local(E, problem.ideal, moves);
+    const std::unique_ptr<LocalFunctional> local_part = E.part(problem.ideal, moves);
+    LocalFunctional& local = *local_part;
     CHECK(local.read(problem.ideal) == std::vector<double>{problem.ideal[0], problem.ideal[1]});
     BlockCsr H = local.hessian_pattern();
     CHECK(H.n == 1);

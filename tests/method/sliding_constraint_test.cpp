@@ -313,7 +313,8 @@ TEST_CASE("a local functional takes the part of the constraint that its nodes se
     const std::vector<double> x = wavy(level->ideal, 2, 0.05);
     std::vector<char> moves(level->mesh.nodes(), 0);
     moves[1] = moves[2] = moves[10] = moves[17] = 1;  // two inner nodes, one inside, one outer
-    LocalFunctional local(E, x, moves);
+    const std::unique_ptr<LocalFunctional> local_part = E.part(x, moves);
+    LocalFunctional& local = *local_part;
     REQUIRE(local.read(x).size() < x.size());
     std::vector<double> y = local.read(x);
     for (std::size_t i = 0; i < y.size(); ++i) y[i] += 0.05 * std::sin(1.0 + static_cast<double>(i));
