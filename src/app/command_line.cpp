@@ -24,7 +24,7 @@ constexpr const char* help =
     "\n"
     "  almesh DECK [key=value ...]   run a deck; keys given here replace those of the deck\n"
     "  almesh info FILE              describe a mesh file in a deck to start from: almesh info FILE > my.deck\n"
-    "  almesh quality FILE           certify and measure any mesh (Gmsh MSH 1, 2.2, 4.0, 4.1, SU2, VTK)\n"
+    "  almesh quality FILE           certify and measure any mesh (Gmsh MSH, SU2, Abaqus, VTU, VTK)\n"
     "                                before=FILE: and how far the boundary is from where that file has it\n"
     "                                both take keys: almesh quality FILE threads=1\n"
     "  almesh improve FILE [key=value ...]\n"

@@ -104,8 +104,9 @@ void check_flat(MeshBuild& build) {
     if (high->x[2] - low->x[2] > 1e-12 * size)
         build.refuse("the elements form a surface in space, z goes from ", low->x[2], " (node ", low->id, ") to ",
                      high->x[2], " (node ", high->id,
-                     "): a 2D mesh lies in a plane z = constant; a 3D mesh has elements of dimension 3 "
-                     "(Gmsh writes them only if their volume is in a physical group, or if there are no groups)");
+                     "): a 2D mesh lies in a plane z = constant; a 3D mesh has elements of dimension 3",
+                     build.raw.format.ending == ".msh" ? " (Gmsh writes them only if their volume is in a physical "
+                                                         "group, or if there are no groups)" : "");
     build.mesh.file.z = low->x[2];
 }
 

@@ -105,6 +105,8 @@ std::string against_infeasible(const Deck& deck, const Problem& problem) {
             at[mesh.element(static_cast<int>(e))[k]] = 1;
     for_face_nodes(mesh, [&](int f, std::size_t k) { beside[mesh.face_boundary[f]] |= at[mesh.faces[k]]; });
     std::string to_try;
+    if (is_improved(deck.ideal) && problem.base.degree > 1)  // what curves a mesh in place makes such faces flatter
+        to_try = concat("a deck with the lines `mesh = ", deck.mesh, "` and `boundary all = fixed`; ");
     for (std::size_t b = 0; b < beside.size(); ++b)
         if (beside[b]) to_try += more_freedom(deck, problem, static_cast<int>(b));
     return to_try + "a mesh file in which these elements are divided or left out";
