@@ -347,7 +347,7 @@ struct InpReader {
             const CellType& cell = mesh.elements[e].cell();
             const bool is_edge = shells.contains(id) && surface.label.starts_with('S');
             const int number = parse_int(surface.label.substr(surface.label.size() > 1), 0).value_or(0);
-            const int side = side_of(cell, is_edge ? number - 2 : number);
+            const int side = cell.dim == dim ? side_of(cell, is_edge ? std::max(number, 2) - 2 : number) : -1;
             if (cell.dim < dim) {
                 if (!surface.label.starts_with('E')) groups.add(surface.name, e);
             } else if (surface.label.empty()) groups.add_outer_sides(surface.name, e);

@@ -196,3 +196,9 @@ TEST_CASE("Abaqus: what is not read is refused with a sentence") {
     refused("*NODE\n1,0,0,0\n*ELEMENT, TYPE=B31\n1,1,1\n", "only elements of type B31");
     refused("*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,1\n*ELEMENT, TYPE=S3\n1,1,2,3\n", "the elements form a surface in space");
 }
+
+TEST_CASE("a surface may name lines of a mesh in the plane") {
+    const std::string plane = "*NODE\n1,0,0\n2,1,0\n3,0,1\n*ELEMENT,TYPE=CPS3\n1,1,2,3\n*ELEMENT,TYPE=T3D2\n2,1,2\n";
+    CHECK(faces_of(mesh_of(plane + "*SURFACE,NAME=S\n2,\n")) ==
+          std::vector<std::string>{"S 1 2", "untagged 1 3", "untagged 2 3"});
+}
