@@ -246,7 +246,7 @@ struct InpReader {
     void members(Set& of, const std::vector<std::string_view>& fields, const Sets& sets, const File& file) {
         if (parameters.contains("GENERATE") && keyword != "*SURFACE") {
             std::vector<int> range;
-            for (const std::string_view field : fields) range.push_back(number(field, "a number", file));
+            for (const std::string_view field : fields) range.push_back(number(field, "a number", file, 0));
             if (range.size() == 2) range.push_back(1);
             if (range.size() != 3 || range[2] < 1) file.fail("expected FIRST, LAST, STEP");
             const bool is_huge = (range[1] - range[0]) / range[2] > 10'000'000;  // as 1, 999999999: all that is there
@@ -267,8 +267,8 @@ struct InpReader {
         }
     }
 
-    static int number(std::string_view text, const char* what, const File& file) {
-        if (const auto value = parse_int(text, 0)) return *value;
+    static int number(std::string_view text, const char* what, const File& file, int lowest = 1) {
+        if (const auto value = parse_int(text, lowest)) return *value;
         file.fail("expected ", what, ", got ", in_backquotes(text));
     }
 

@@ -36,7 +36,7 @@ std::string kept_text(const Mesh& mesh) {
             text += concat(text.empty() ? "" : ", ", counted(kept.count(), cell.name),
                            cell.dim == mesh.dim - 1 ? " inside the mesh, in no group or repeated" : "");
     if (const int count = mesh.file.loose)
-        text += concat(text.empty() ? "" : ", ", counted(count, "node"), " without an element");
+        text += concat(text.empty() ? "" : ", ", counted(count, "node"), " without an element (not moved)");
     for (const std::string& section : mesh.file.sections) text += (text.empty() ? "" : ", ") + section;
     return text;
 }

@@ -34,7 +34,7 @@ struct Contents {
     std::map<long long, std::vector<double>> position;      // by node id, from the first of its format on
     std::map<long long, std::vector<long long>> element;    // by its id: node ids
     std::multimap<std::vector<long long>, std::string> face;  // by node ids: boundary
-    std::multiset<std::vector<long long>> kept;
+    std::set<std::vector<long long>> kept;  // once each: MSH 2.2 has those of several groups as often
 
     explicit Contents(const Mesh& mesh) {
         const long long first = mesh.file.format.first_id();
