@@ -122,6 +122,8 @@ TEST_CASE("the summary has every quantity in its order, with values that belong 
                                            "boundary_distance",
                                            "relative_boundary_distance",
                                            "split_elements",
+                                           "periodic_pairs",
+                                           "periodic_mismatch",
                                            "refined_elements",
                                            "min_scaled_jacobian",
                                            "invalid_elements",
