@@ -76,8 +76,7 @@ RawMesh raw_mesh(const MeshArrays& arrays) {
     }
     for (const Cells& cells : arrays.elements) add_cells(arrays, cells, dim, 0, "elements", raw);
     for (const Faces& faces : arrays.faces) {
-        const auto same = std::find_if(raw.groups.begin(), raw.groups.end(),
-                                       [&](const PhysicalGroup& group) { return group.name == faces.boundary; });
+        const auto same = std::ranges::find(raw.groups, faces.boundary, &PhysicalGroup::name);
         const int tag = static_cast<int>(same - raw.groups.begin()) + 1;
         if (same == raw.groups.end()) raw.groups.push_back({dim - 1, tag, faces.boundary});
         add_cells(arrays, faces.cells, dim - 1, tag, "faces of " + in_backquotes(faces.boundary), raw);
@@ -175,124 +174,116 @@ struct MovingMesh::State {
     std::unique_ptr<Problem> problem;  // of the boundaries as they are; null: not made yet
     std::unique_ptr<FrameSolver> solver;
 
-    State(const MeshArrays& mesh, const Options& options);
-    void set_time(double t);
-    Moved result(Solution solution, double t);
-    Moved solve(const Moved* before, double t, const Observer& observe);
-    Moved follow(const Moved& before, double t, int halvings, const Observer& observe);
-    Derivative derivative(Moved& at);
-    std::vector<double> to_run(const std::vector<double>& x) const;  // nodes of the arrays to those of the problem
-    // others: of nodes that the problem does not have; empty: 0.
-    std::vector<double> to_arrays(const std::vector<double>& values, std::vector<double> others) const;
-};
-
-MovingMesh::State::State(const MeshArrays& mesh, const Options& options) : given(mesh), arrays(mesh) {
-    constexpr Objective objectives[] = {Objective::deviation, Objective::squared, Objective::size_shape,
-                                        Objective::minimax};  // in the order of Options::Objective
-    setup.distortion.objective = objectives[static_cast<int>(options.objective)];
-    setup.continuation = static_cast<Continuation>(options.continuation);
-    setup.degree = options.degree;
-    setup.method.omega_star = options.gradient_tolerance;
-    setup.method.wall_tolerance = options.boundary_tolerance;
-    setup.method.max_iterations = options.max_iterations;
-    setup.method.max_newton_iterations = options.max_newton_steps;
-    setup.surface = options.may_slide ? SurfaceKind::automatic : SurfaceKind::keep;
-    setup.in_time = true;
-    set_threads(options.threads);
-    std::vector<std::string> notes;
-    base = build_base_mesh(raw_mesh(mesh), setup.ideal, notes);
-    if (options.degree == 0 || options.degree == mesh.degree) return;
-    if (options.degree < mesh.degree)
-        throw UsageError("degree = ", options.degree, ": the ", arrays_name, " have degree ", mesh.degree);
-    arrays = arrays_of(raise_degree(base.mesh, options.degree), given);
-}
-
-// The problem at the time t. It is made again where boundaries are held by something else than before.
-void MovingMesh::State::set_time(double t) {
-    setup.boundaries.clear();
-    for (const auto& [name, boundary] : boundaries)
-        setup.boundaries.push_back({name, motion_at(boundary, t, given.x), "boundary " + with_quotes(name)});
-    if (problem) return move_target(setup, *problem);
-    BaseMesh own = base;
-    std::vector<std::string> notes;
-    assign_boundaries(setup, own.mesh, notes);
-    for (const std::string& name : own.mesh.boundaries)
-        if (!motion_for(setup, name))
-            throw UsageError("boundary ", with_quotes(name), " is not set: set() says what holds its nodes");
-    problem = std::make_unique<Problem>(make_problem(setup, std::move(own)));
-    solver = std::make_unique<FrameSolver>(*problem);
-}
-
-std::vector<double> MovingMesh::State::to_run(const std::vector<double>& x) const {
-    if (x.size() != arrays.x.size())
-        throw UsageError(x.size(), " numbers given, but the mesh has ", arrays.x.size(), ": nodes x dim");
-    const Mesh& mesh = problem->mesh();
-    std::vector<double> y(mesh.x.size());
-    for (int i = 0; i < mesh.nodes(); ++i)
-        for (int a = 0; a < mesh.dim; ++a)
-            y[offset(i, mesh.dim, a)] = x[offset(static_cast<int>(mesh.file.node_id[i]) - 1, mesh.dim, a)];
-    return y;
-}
-
-std::vector<double> MovingMesh::State::to_arrays(const std::vector<double>& values, std::vector<double> others) const {
-    others.resize(arrays.x.size(), 0.0);
-    return by_id(problem->mesh().file.node_id, values, arrays.dim, std::move(others));
-}
-
-Moved MovingMesh::State::result(Solution solution, double t) {
-    round_as_file(*problem, solution.x);
-    examine(setup, *problem, solution);
-    Moved moved;
-    moved.x = to_arrays(final_positions(*problem, solution.x), arrays.x);
-    moved.t = t;
-    moved.converged = solution.al.status == Status::converged;
-    moved.status = to_string(outcome(solution.al));
-    moved.verdict = verdict_of(problem->mesh(), solution.certificate, solution.injectivity, problem->frame);
-    moved.relative_quality = solution.al.distortion.relative_quality;
-    moved.max_distortion = solution.al.distortion.max_distortion;
-    moved.nodes_off_target = solution.nodes_off_target;
-    moved.newton_steps = solution.newton_steps();
-    return moved;
-}
-
-// before: null to start anew.
-Moved MovingMesh::State::solve(const Moved* before, double t, const Observer& observe) {
-    FramesBefore moments;
-    if (before) {
-        set_time(before->t);
-        std::vector<double> x = to_run(before->x);
-        problem->frame.take_to_run(x, arrays.dim);
-        moments.push({before->t, std::move(x), problem->motions});
+    State(const MeshArrays& mesh, const Options& options) : given(mesh), arrays(mesh) {
+        constexpr Objective objectives[] = {Objective::deviation, Objective::squared, Objective::size_shape,
+                                            Objective::minimax};  // in the order of Options::Objective
+        setup.distortion.objective = objectives[static_cast<int>(options.objective)];
+        setup.continuation = static_cast<Continuation>(options.continuation);
+        setup.degree = options.degree;
+        setup.method.omega_star = options.gradient_tolerance;
+        setup.method.wall_tolerance = options.boundary_tolerance;
+        setup.method.max_iterations = options.max_iterations;
+        setup.method.max_newton_iterations = options.max_newton_steps;
+        setup.surface = options.may_slide ? SurfaceKind::automatic : SurfaceKind::keep;
+        setup.in_time = true;
+        set_threads(options.threads);
+        std::vector<std::string> notes;
+        base = build_base_mesh(raw_mesh(mesh), setup.ideal, notes);
+        if (options.degree == 0 || options.degree == mesh.degree) return;
+        if (options.degree < mesh.degree)
+            throw UsageError("degree = ", options.degree, ": the ", arrays_name, " have degree ", mesh.degree);
+        arrays = arrays_of(raise_degree(base.mesh, options.degree), given);
     }
-    set_time(t);
-    const AlObserver observer = observer_of(observe, {arrays.dim, problem->frame.length});
-    std::string started_from;
-    return result(solver->solve(setup, moments, t, started_from, {observer}, observer), t);
-}
 
-Moved MovingMesh::State::follow(const Moved& before, double t, int halvings, const Observer& observe) {
-    Moved moved = solve(&before, t, observe);
-    if (moved.is_good() || halvings == 0) return moved;
-    const int steps = moved.newton_steps;
-    const Moved middle = follow(before, 0.5 * (before.t + t), halvings - 1, observe);
-    if (middle.is_good()) moved = follow(middle, t, halvings - 1, observe);
-    moved.newton_steps = middle.newton_steps + (middle.is_good() ? moved.newton_steps : 0) + steps;
-    return moved;
-}
+    // The problem at the time t. It is made again where boundaries are held by something else than before.
+    void set_time(double t) {
+        setup.boundaries.clear();
+        for (const auto& [name, boundary] : boundaries)
+            setup.boundaries.push_back({name, motion_at(boundary, t, given.x), "boundary " + with_quotes(name)});
+        if (problem) return move_target(setup, *problem);
+        BaseMesh own = base;
+        std::vector<std::string> notes;
+        assign_boundaries(setup, own.mesh, notes);
+        for (const std::string& name : own.mesh.boundaries)
+            if (!motion_for(setup, name))
+                throw UsageError("boundary ", with_quotes(name), " is not set: set() says what holds its nodes");
+        problem = std::make_unique<Problem>(make_problem(setup, std::move(own)));
+        solver = std::make_unique<FrameSolver>(*problem);
+    }
 
-Derivative MovingMesh::State::derivative(Moved& at) {
-    if (setup.distortion.objective == Objective::minimax) at = solve(nullptr, at.t, {});  // its last power
-    if (!at.converged) throw Error(ExitCode::not_converged, "no derivative: the mesh has not converged");
-    set_time(at.t);
-    std::vector<double> x = to_run(at.x);
-    problem->frame.take_to_run(x, arrays.dim);
-    const Level& level = *problem->level;
-    if (setup.distortion.objective != Objective::minimax) set_functional(setup, *problem);
-    Derivative derivative(level.mesh, *level.energy, *level.constraint, setup.linear);
-    derivative.polish(x);
-    at.x = to_arrays(final_positions(*problem, x), arrays.x);
-    return derivative;
-}
+    // Nodes of the arrays to those of the problem.
+    std::vector<double> to_run(const std::vector<double>& x) const {
+        if (x.size() != arrays.x.size())
+            throw UsageError(x.size(), " numbers given, but the mesh has ", arrays.x.size(), ": nodes x dim");
+        const Mesh& mesh = problem->mesh();
+        std::vector<double> y(mesh.x.size());
+        for (int i = 0; i < mesh.nodes(); ++i)
+            for (int a = 0; a < mesh.dim; ++a)
+                y[offset(i, mesh.dim, a)] = x[offset(static_cast<int>(mesh.file.node_id[i]) - 1, mesh.dim, a)];
+        return y;
+    }
+
+    // others: of nodes that the problem does not have; empty: 0.
+    std::vector<double> to_arrays(const std::vector<double>& values, std::vector<double> others) const {
+        others.resize(arrays.x.size(), 0.0);
+        return by_id(problem->mesh().file.node_id, values, arrays.dim, std::move(others));
+    }
+
+    Moved result(Solution solution, double t) {
+        round_as_file(*problem, solution.x);
+        examine(setup, *problem, solution);
+        Moved moved;
+        moved.x = to_arrays(final_positions(*problem, solution.x), arrays.x);
+        moved.t = t;
+        moved.converged = solution.al.status == Status::converged;
+        moved.status = to_string(outcome(solution.al));
+        moved.verdict = verdict_of(problem->mesh(), solution.certificate, solution.injectivity, problem->frame);
+        moved.relative_quality = solution.al.distortion.relative_quality;
+        moved.max_distortion = solution.al.distortion.max_distortion;
+        moved.nodes_off_target = solution.nodes_off_target;
+        moved.newton_steps = solution.newton_steps();
+        return moved;
+    }
+
+    // before: null to start anew.
+    Moved solve(const Moved* before, double t, const Observer& observe) {
+        FramesBefore moments;
+        if (before) {
+            set_time(before->t);
+            std::vector<double> x = to_run(before->x);
+            problem->frame.take_to_run(x, arrays.dim);
+            moments.push({before->t, std::move(x), problem->motions});
+        }
+        set_time(t);
+        const AlObserver observer = observer_of(observe, {arrays.dim, problem->frame.length});
+        std::string started_from;
+        return result(solver->solve(setup, moments, t, started_from, {observer}, observer), t);
+    }
+
+    Moved follow(const Moved& before, double t, int halvings, const Observer& observe) {
+        Moved moved = solve(&before, t, observe);
+        if (moved.is_good() || halvings == 0) return moved;
+        const int steps = moved.newton_steps;
+        const Moved middle = follow(before, 0.5 * (before.t + t), halvings - 1, observe);
+        if (middle.is_good()) moved = follow(middle, t, halvings - 1, observe);
+        moved.newton_steps = middle.newton_steps + (middle.is_good() ? moved.newton_steps : 0) + steps;
+        return moved;
+    }
+
+    Derivative derivative(Moved& at) {
+        if (setup.distortion.objective == Objective::minimax) at = solve(nullptr, at.t, {});  // its last power
+        if (!at.converged) throw Error(ExitCode::not_converged, "no derivative: the mesh has not converged");
+        set_time(at.t);
+        std::vector<double> x = to_run(at.x);
+        problem->frame.take_to_run(x, arrays.dim);
+        const Level& level = *problem->level;
+        if (setup.distortion.objective != Objective::minimax) set_functional(setup, *problem);
+        Derivative derivative(level.mesh, *level.energy, *level.constraint, setup.linear);
+        derivative.polish(x);
+        at.x = to_arrays(final_positions(*problem, x), arrays.x);
+        return derivative;
+    }
+};
 
 MovingMesh::MovingMesh(const MeshArrays& mesh, const Options& options)
     : state_(std::make_unique<State>(mesh, options)) {}

@@ -38,15 +38,12 @@ constexpr int most_halvings = 3;  // of the time between two frames
 const TextTable shown{{{"frame", 6}, {"t", 9}, {"status", -10}, {"Newton", 6}, {"max eta", 9}, {"q", 8},
                        {"Jacobian", 8}, {"from", -6}, {"time", 8}}};
 
-class FrameRun {
-public:
+struct FrameRun {
     // times: none where `coupling` has them. start: the deck whose target the problem has at first.
     FrameRun(const Deck& deck, const Deck& start, std::FILE* out, std::vector<double> times, Coupling* coupling)
         : deck_(deck), start_(start), out_(out), times_(std::move(times)), coupling_(coupling),
           problem_((EndAtInterrupts(), make_problem(start))) {}
-    ExitCode run();
 
-private:
     const Deck &deck_, &start_;
     std::FILE* out_;
     std::optional<ResultsFolder> folder_;
@@ -66,254 +63,236 @@ private:
     bool way_is_valid_ = true;  // for nodes that go through these
 
     std::string path(const char* name) const { return concat(deck_.output, "/", name); }
-    void begin();
-    void resume();
-    bool next(FrameRow& row);
-    void tell_notes();
-    void solve_or_refuse(FrameRow& row);
-    void solve(FrameRow& row, int halvings);
-    bool may_halve(const FrameRow& row) const;
-    bool solve_between(const FrameRow& row, int halvings);
-    std::string path_to(const Solution& solution, double t) const;
-    void begin_results();
-    void keep(const Deck& now, Solution& solution, FrameRow& row);
-    void show(const FrameRow& row);
-    void answer(const FrameRow& row);
-    ExitCode end();
-};
 
-// Rows of frames after the state are computed anew.
-void FrameRun::resume() {
-    if (!deck_.resume) return;
-    const int last = read_state(deck_, problem_, before_);
-    if (last == 0) {
-        print(out_, "note: no saved state in ", deck_.output, ": the run starts from the beginning\n");
-        return;
+    // Rows of frames after the state are computed anew.
+    void resume() {
+        if (!deck_.resume) return;
+        const int last = read_state(deck_, problem_, before_);
+        if (last == 0) {
+            print(out_, "note: no saved state in ", deck_.output, ": the run starts from the beginning\n");
+            return;
+        }
+        Moment& before = before_.moments.back();
+        if (last > static_cast<int>(times_.size()) || times_[last - 1] != before.t)
+            throw UsageError("cannot resume: the times of the frames are not those of the run before");
+        before.motions = motions_of(deck_at(deck_, before.t, last), problem_.base);
+        done_.read(last);
+        resumed_ = done_.size();
+        print(out_, "resumes after ", frame_at(last, before.t), "\n");
     }
-    Moment& before = before_.moments.back();
-    if (last > static_cast<int>(times_.size()) || times_[last - 1] != before.t)
-        throw UsageError("cannot resume: the times of the frames are not those of the run before");
-    before.motions = motions_of(deck_at(deck_, before.t, last), problem_.base);
-    done_.read(last);
-    resumed_ = done_.size();
-    print(out_, "resumes after ", frame_at(last, before.t), "\n");
-}
 
-// Prints each note once.
-void FrameRun::tell_notes() {
-    for (const std::string& note : problem_.notes) {
-        if (std::find(told_.begin(), told_.end(), note) != told_.end()) continue;
-        print(out_, "note: ", note, "\n");
-        told_.push_back(note);
+    // Prints each note once.
+    void tell_notes() {
+        for (const std::string& note : problem_.notes) {
+            if (std::find(told_.begin(), told_.end(), note) != told_.end()) continue;
+            print(out_, "note: ", note, "\n");
+            told_.push_back(note);
+        }
+        problem_.notes.clear();
     }
-    problem_.notes.clear();
-}
 
-// Writes the files of the frame and its row of the table.
-void FrameRun::keep(const Deck& now, Solution& solution, FrameRow& row) {
-    examine(now, problem_, solution);
-    const AlIteration& last = solution.al.iterations.back();
-    row.status = status_row(solution.al.status).name;
-    row.newton_steps = solution.newton_steps();
-    row.max_distortion = last.max_distortion;
-    row.relative_quality = last.relative_quality;
-    row.min_scaled_jacobian = solution.certificate.min_scaled_jacobian;
-    row.certified = solution.injectivity.certified;
-    if (row.between > 0 && !(row.has_mesh() && row.certified)) return;
-    if (row.has_mesh()) begin_results();
-    const Summary summary = summarise(problem_, solution);
-    if (!folder_->is_kept()) write_summary(deck_, summary);
-    if (!row.has_mesh() || !row.certified) {
-        row.code = row.has_mesh() ? ExitCode::not_certified : ExitCode::not_converged;
-        if (!folder_->is_kept()) write_results(deck_, problem_, solution);
-        print_ending(out_, now, problem_, solution, 0);
+    // Writes the files of the frame and its row of the table.
+    void keep(const Deck& now, Solution& solution, FrameRow& row) {
+        examine(now, problem_, solution);
+        const AlIteration& last = solution.al.iterations.back();
+        row.status = status_row(solution.al.status).name;
+        row.newton_steps = solution.newton_steps();
+        row.max_distortion = last.max_distortion;
+        row.relative_quality = last.relative_quality;
+        row.min_scaled_jacobian = solution.certificate.min_scaled_jacobian;
+        row.certified = solution.injectivity.certified;
+        if (row.between > 0 && !(row.has_mesh() && row.certified)) return;
+        if (row.has_mesh() && folder_->is_kept()) {  // the meshes of an earlier coupled run
+            folder_->empty();
+            write_deck(deck_, problem_);
+        }
+        const Summary summary = summarise(problem_, solution);
+        if (!folder_->is_kept()) write_summary(deck_, summary);
+        if (!row.has_mesh() || !row.certified) {
+            row.code = row.has_mesh() ? ExitCode::not_certified : ExitCode::not_converged;
+            if (!folder_->is_kept()) write_results(deck_, problem_, solution);
+            print_ending(out_, now, problem_, solution, 0);
+        }
+        if (!row.has_mesh()) return;
+        FramesBefore kept = before_;
+        kept.push({row.t, solution.x, problem_.motions});
+        const std::vector<VtkArray> columns = velocities(deck_, problem_, kept.moments);
+        row.mesh = write_frame(deck_, problem_, solution, row.file_name(), columns);
+        write_velocities(deck_, problem_, kept.moments, columns, path(row.file_name().c_str()), faces_);
+        before_ = std::move(kept);
+        for (const Expectation& expectation : deck_.expectations) {
+            const ExpectationResult result = check(expectation, summary);
+            if (result.holds || row.code != ExitCode::success) continue;
+            row.code = ExitCode::expectation_failed;
+            row.note = result.text;
+        }
     }
-    if (!row.has_mesh()) return;
-    FramesBefore kept = before_;
-    kept.push({row.t, solution.x, problem_.motions});
-    const std::vector<VtkArray> columns = velocities(deck_, problem_, kept.moments);
-    row.mesh = write_frame(deck_, problem_, solution, row.file_name(), columns);
-    write_velocities(deck_, problem_, kept.moments, columns, path(row.file_name().c_str()), faces_);
-    before_ = std::move(kept);
-    for (const Expectation& expectation : deck_.expectations) {
-        const ExpectationResult result = check(expectation, summary);
-        if (result.holds || row.code != ExitCode::success) continue;
-        row.code = ExitCode::expectation_failed;
-        row.note = result.text;
+
+    // Kind of the nodes' paths from the frame before; for a repeated time step, from the frame before its first try.
+    std::string path_to(const Solution& solution, double t) const {
+        const Moment* const from = before_.before(t);
+        if (!from || solution.al.status != Status::converged) return "";
+        return solver_.is_valid_between(from->x, solution.x) ? frame_path::valid : frame_path::not_valid;
     }
-}
 
-// Removes the meshes of an earlier coupled run.
-void FrameRun::begin_results() {
-    if (!folder_->is_kept()) return;
-    folder_->empty();
-    write_deck(deck_, problem_);
-}
-
-// Kind of the nodes' paths from the frame before; for a repeated time step, from the frame before its first try.
-std::string FrameRun::path_to(const Solution& solution, double t) const {
-    const Moment* const from = before_.before(t);
-    if (!from || solution.al.status != Status::converged) return "";
-    return solver_.is_valid_between(from->x, solution.x) ? frame_path::valid : frame_path::not_valid;
-}
-
-// If the paths from the frame before are not valid, frames at times between come first.
-void FrameRun::solve(FrameRow& row, int halvings) {
-    const Deck now = deck_at(deck_, row.t, row.number, files_);
-    if (row.number > 1 || coupling_) move_target(now, problem_);
-    tell_notes();
-    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> nowhere(std::fopen("/dev/null", "w"), std::fclose);
-    IterationTable report(nowhere.get(), {problem_.mesh().dim, problem_.frame.length}, problem_.run_id);
-    Solution solution = solver_.solve(now, before_, row.t, row.started_from, report.observer());
-    row.history += report.rows();
-    if (interrupted()) return;
-    round_as_file(problem_, solution.x);
-    row.path = path_to(solution, row.t);
-    if (row.path == frame_path::not_valid && halvings < most_halvings && may_halve(row)) {
-        const bool divided = solve_between(row, halvings + 1);
-        return solve(row, divided ? halvings + 1 : most_halvings);
+    // If the paths from the frame before are not valid, frames at times between come first.
+    void solve(FrameRow& row, int halvings) {
+        const Deck now = deck_at(deck_, row.t, row.number, files_);
+        if (row.number > 1 || coupling_) move_target(now, problem_);
+        tell_notes();
+        const std::unique_ptr<std::FILE, int (*)(std::FILE*)> nowhere(std::fopen("/dev/null", "w"), std::fclose);
+        IterationTable report(nowhere.get(), {problem_.mesh().dim, problem_.frame.length}, problem_.run_id);
+        Solution solution = solver_.solve(now, before_, row.t, row.started_from, report.observer());
+        row.history += report.rows();
+        if (interrupted()) return;
+        round_as_file(problem_, solution.x);
+        row.path = path_to(solution, row.t);
+        if (row.path == frame_path::not_valid && halvings < most_halvings && may_halve(row)) {
+            const bool divided = solve_between(row, halvings + 1);
+            return solve(row, divided ? halvings + 1 : most_halvings);
+        }
+        if (row.path == frame_path::not_valid) {
+            way_is_valid_ = false;
+            row.note = "the straight way of the nodes from the frame before is not valid";
+        }
+        if (row.between > 0) row.between = ++between_;
+        else if (!way_is_valid_) row.path = frame_path::not_valid;
+        else if (between_ > 0) row.path = concat("split ", between_);
+        keep(now, solution, row);
     }
-    if (row.path == frame_path::not_valid) {
-        way_is_valid_ = false;
-        row.note = "the straight way of the nodes from the frame before is not valid";
+
+    // Whether motions at the time halfway exist and lead from one frame to the other.
+    bool may_halve(const FrameRow& row) const try {
+        for (const BoundaryMotion& boundary : deck_.boundaries)
+            for (const MotionStep& step : boundary.motion.steps)
+                if (coupling_ || step.file.find('%') != std::string::npos) return false;
+        const Moment& before = before_.moments.back();
+        const auto halfway = motions_of(deck_at(deck_, 0.5 * (before.t + row.t), row.number), problem_.base);
+        return solver_.leads(deck_, before.motions, halfway) && solver_.leads(deck_, halfway, problem_.motions);
+    } catch (const UsageError&) {
+        return false;
     }
-    if (row.between > 0) row.between = ++between_;
-    else if (!way_is_valid_) row.path = frame_path::not_valid;
-    else if (between_ > 0) row.path = concat("split ", between_);
-    keep(now, solution, row);
-}
 
-// Whether motions at the time halfway exist and lead from one frame to the other.
-bool FrameRun::may_halve(const FrameRow& row) const try {
-    for (const BoundaryMotion& boundary : deck_.boundaries)
-        for (const MotionStep& step : boundary.motion.steps)
-            if (coupling_ || step.file.find('%') != std::string::npos) return false;
-    const Moment& before = before_.moments.back();
-    const auto halfway = motions_of(deck_at(deck_, 0.5 * (before.t + row.t), row.number), problem_.base);
-    return solver_.leads(deck_, before.motions, halfway) && solver_.leads(deck_, halfway, problem_.motions);
-} catch (const UsageError&) {
-    return false;
-}
-
-// Solves the frame halfway; whether it has a mesh.
-bool FrameRun::solve_between(const FrameRow& row, int halvings) try {
-    const Stopwatch watch;
-    FrameRow between{row.number, 1, 0.5 * (before_.moments.back().t + row.t)};
-    solve(between, halvings);
-    if (!between.has_mesh() || !between.certified) return false;
-    between.seconds = watch.seconds();
-    done_.add(between);
-    show(between);
-    return true;
-} catch (const InputError&) {
-    return false;  // a target that folds
-}
-
-void FrameRun::solve_or_refuse(FrameRow& row) {
-    between_ = 0;
-    way_is_valid_ = true;
-    try {
-        solve(row, 0);
-    } catch (const Error& error) {
-        row.refuse(error);
-    }
-}
-
-void FrameRun::show(const FrameRow& row) {
-    Cells cells = {row.label(), to_text(row.t, 4), row.status};
-    std::string note;
-    if (!row.started_from.empty()) {
-        cells.insert(cells.end(), {row.newton_steps, to_text(row.max_distortion, 4), fixed(row.relative_quality, 6),
-                                   rounded_down(row.min_scaled_jacobian, 4), row.started_from,
-                                   fixed(row.seconds, 3) + "s"});
-        if (!coupling_ && row.between == 0)
-            note = concat("  ", fixed(static_cast<double>(times_.size() - done_.size()) * spent_ /
-                                      static_cast<double>(done_.size() - resumed_), 2), "s left");
-    }
-    print(out_, shown.line(cells, note + (row.note.empty() ? "" : "  ") + row.note));
-    std::fflush(out_);
-}
-
-void FrameRun::answer(const FrameRow& row) {
-    const bool is_valid = row.has_mesh() && row.certified;
-    if (is_valid) return coupling_->tell(row.path == frame_path::not_valid ? way_not_valid : row.status, row.mesh);
-    coupling_->tell(row.has_mesh() ? "not_certified" : row.status,
-                    row.note.empty() ? concat(path(frames_log), " says why") : row.note);
-}
-
-// The frame after the last one; where a coupled run asks for the same time again, the same frame. False: there is none.
-bool FrameRun::next(FrameRow& row) {
-    row = {static_cast<int>(done_.size()) + 1};
-    if (!coupling_) {
-        if (done_.size() < times_.size()) row.t = times_[done_.size()];
-        return done_.size() < times_.size();
-    }
-    const double none = -std::numeric_limits<double>::infinity();
-    const std::optional<AskedFrame> asked = coupling_->next(before_.moments.empty() ? none : before_.moments.back().t);
-    if (!asked) return false;
-    row.t = asked->t;
-    files_ = asked->files;
-    for (std::size_t k = 0; k < done_.size(); ++k)
-        if (done_[k].t == row.t) row.number = done_[k].number;
-    return true;
-}
-
-void FrameRun::begin() {
-    if (coupling_) {
-        log_.reset(std::fopen(path(frames_log).c_str(), "w"));
-        if (!log_) throw InputError("cannot write to ", path(frames_log));
-        out_ = log_.get();
-        identify(deck_, problem_);
-    }
-    print_mesh(out_, deck_, problem_);
-    if (!folder_->is_kept()) write_deck(deck_, problem_);
-    told_ = std::exchange(problem_.notes, {});
-    print(out_, shown.heading());
-}
-
-ExitCode FrameRun::end() {
-    remove_file(path(frames_state));
-    const int folded = done_.count(frame_path::not_valid);
-    const bool good = done_.code() == ExitCode::success;
-    print(out_, counted(done_.size(), "frame"),
-          good ? ", all certified valid and injective" : ", not all as wanted (see frames.csv)",
-          folded > 0 ? concat(", ", folded, " without a valid straight way to it") : "",
-          folder_->is_kept() ? "; the meshes of the run before are still in " : "; results in ", deck_.output, "\n");
-    return done_.code();
-}
-
-ExitCode FrameRun::run() {
-    resume();
-    folder_.emplace(start_);
-    begin();
-    for (FrameRow row; next(row);) {
-        const CatchInterrupts catching;  // not while a coupled run waits
+    // Solves the frame halfway; whether it has a mesh.
+    bool solve_between(const FrameRow& row, int halvings) try {
         const Stopwatch watch;
-        const std::string name = frame_at(row.number, row.t);
-        solve_or_refuse(row);
-        if (row.note.empty() && interrupted()) {
-            const bool is_saved = !coupling_ && !before_.moments.empty();
-            print(out_, "interrupted in ", name, is_saved ? "; try resume=1, which goes on from here\n" : "\n");
-            if (coupling_) coupling_->tell("interrupted", "the run has ended");
-            return ExitCode::not_converged;
-        }
-        spent_ += row.seconds = watch.seconds();
-        try {
-            done_.add(row, !folder_->is_kept());
-        } catch (const InputError& error) {  // a disk that is full
-            if (!coupling_) throw;
-            row.refuse(error);
-        }
-        const bool goes_on = row.code == ExitCode::success || row.code == ExitCode::expectation_failed;
-        if (!goes_on && !deck_.keep_going && !coupling_)
-            throw Error(row.code, concat(name, ": ", row.note.empty() ? row.status : row.note,
-                                         "\nthe frames before it are there; keep_going = yes goes on with the next"));
-        show(row);
-        if (coupling_) answer(row);
-        else if (row.has_mesh()) save_state(deck_, problem_, before_, row.number);
+        FrameRow between{row.number, 1, 0.5 * (before_.moments.back().t + row.t)};
+        solve(between, halvings);
+        if (!between.has_mesh() || !between.certified) return false;
+        between.seconds = watch.seconds();
+        done_.add(between);
+        show(between);
+        return true;
+    } catch (const InputError&) {
+        return false;  // a target that folds
     }
-    return end();
-}
+
+    void show(const FrameRow& row) {
+        Cells cells = {row.label(), to_text(row.t, 4), row.status};
+        std::string note;
+        if (!row.started_from.empty()) {
+            cells.insert(cells.end(), {row.newton_steps, to_text(row.max_distortion, 4), fixed(row.relative_quality, 6),
+                                       rounded_down(row.min_scaled_jacobian, 4), row.started_from,
+                                       fixed(row.seconds, 3) + "s"});
+            if (!coupling_ && row.between == 0)
+                note = concat("  ", fixed(static_cast<double>(times_.size() - done_.size()) * spent_ /
+                                          static_cast<double>(done_.size() - resumed_), 2), "s left");
+        }
+        print(out_, shown.line(cells, note + (row.note.empty() ? "" : "  ") + row.note));
+        std::fflush(out_);
+    }
+
+    void answer(const FrameRow& row) {
+        const bool is_valid = row.has_mesh() && row.certified;
+        if (is_valid) return coupling_->tell(row.path == frame_path::not_valid ? way_not_valid : row.status, row.mesh);
+        coupling_->tell(row.has_mesh() ? "not_certified" : row.status,
+                        row.note.empty() ? concat(path(frames_log), " says why") : row.note);
+    }
+
+    // The frame after the last one; where a coupled run asks for the same time again, the same frame. False: there is
+    // none.
+    bool next(FrameRow& row) {
+        row = {static_cast<int>(done_.size()) + 1};
+        if (!coupling_) {
+            if (done_.size() < times_.size()) row.t = times_[done_.size()];
+            return done_.size() < times_.size();
+        }
+        const double none = -std::numeric_limits<double>::infinity();
+        const double reached = before_.moments.empty() ? none : before_.moments.back().t;
+        const std::optional<AskedFrame> asked = coupling_->next(reached);
+        if (!asked) return false;
+        row.t = asked->t;
+        files_ = asked->files;
+        for (std::size_t k = 0; k < done_.size(); ++k)
+            if (done_[k].t == row.t) row.number = done_[k].number;
+        return true;
+    }
+
+    void begin() {
+        if (coupling_) {
+            log_.reset(std::fopen(path(frames_log).c_str(), "w"));
+            if (!log_) throw InputError("cannot write to ", path(frames_log));
+            out_ = log_.get();
+            identify(deck_, problem_);
+        }
+        print_mesh(out_, deck_, problem_);
+        if (!folder_->is_kept()) write_deck(deck_, problem_);
+        told_ = std::exchange(problem_.notes, {});
+        print(out_, shown.heading());
+    }
+
+    ExitCode end() {
+        remove_file(path(frames_state));
+        const int folded = done_.count(frame_path::not_valid);
+        const bool good = done_.code() == ExitCode::success;
+        print(out_, counted(done_.size(), "frame"),
+              good ? ", all certified valid and injective" : ", not all as wanted (see frames.csv)",
+              folded > 0 ? concat(", ", folded, " without a valid straight way to it") : "",
+              folder_->is_kept() ? "; the meshes of the run before are still in " : "; results in ", deck_.output,
+              "\n");
+        return done_.code();
+    }
+
+    ExitCode run() {
+        resume();
+        folder_.emplace(start_);
+        begin();
+        for (FrameRow row; next(row);) {
+            const CatchInterrupts catching;  // not while a coupled run waits
+            const Stopwatch watch;
+            const std::string name = frame_at(row.number, row.t);
+            between_ = 0;
+            way_is_valid_ = true;
+            try {
+                solve(row, 0);
+            } catch (const Error& error) {
+                row.refuse(error);
+            }
+            if (row.note.empty() && interrupted()) {
+                const bool is_saved = !coupling_ && !before_.moments.empty();
+                print(out_, "interrupted in ", name, is_saved ? "; try resume=1, which goes on from here\n" : "\n");
+                if (coupling_) coupling_->tell("interrupted", "the run has ended");
+                return ExitCode::not_converged;
+            }
+            spent_ += row.seconds = watch.seconds();
+            try {
+                done_.add(row, !folder_->is_kept());
+            } catch (const InputError& error) {  // a disk that is full
+                if (!coupling_) throw;
+                row.refuse(error);
+            }
+            const bool goes_on = row.code == ExitCode::success || row.code == ExitCode::expectation_failed;
+            if (!goes_on && !deck_.keep_going && !coupling_)
+                throw Error(row.code,
+                            concat(name, ": ", row.note.empty() ? row.status : row.note,
+                                   "\nthe frames before it are there; keep_going = yes goes on with the next"));
+            show(row);
+            if (coupling_) answer(row);
+            else if (row.has_mesh()) save_state(deck_, problem_, before_, row.number);
+        }
+        return end();
+    }
+};
 
 }  // namespace
 

@@ -141,15 +141,7 @@ pid_t start_process(const Run& run) {
     std::_Exit(static_cast<int>(code));
 }
 
-class SweepRun {
-public:
-    SweepRun(const std::string& path, const std::vector<std::string>& settings, std::FILE* out);
-    ExitCode run_here();
-    ExitCode run_task(int first, int step);
-    ExitCode write_script() const;
-    ExitCode collect();
-
-private:
+struct SweepRun {
     struct Child {
         Run* run;
         Stopwatch watch;
@@ -166,174 +158,173 @@ private:
     int done_ = 0, done_before_ = 0;
     Stopwatch watch_;
 
-    void add_run(const std::vector<std::string>& values);
-    void read_rows();
-    void end(pid_t process, int status);
     std::string path(const char* name) const { return concat(deck_.output, "/", name); }
-};
 
-// All decks are read before the first run starts.
-SweepRun::SweepRun(const std::string& path, const std::vector<std::string>& settings, std::FILE* out)
-    : path_(path), settings_(settings), out_(out), deck_(read_deck(path, settings)) {
-    const std::vector<Sweep>& sweeps = deck_.sweeps;
-    if (sweeps.empty()) throw UsageError(path, ": there is no line `sweep KEY = VALUES`; one run is almesh ", path);
-    std::size_t count = 1;
-    for (const Sweep& sweep : sweeps)
-        if ((count *= sweep.values.size()) > most_runs)
-            throw UsageError(sweep.where, ": these are more than ", most_runs, " runs");
-    for (std::size_t k = 0; k < count; ++k) {
-        std::vector<std::string> values(sweeps.size());
-        std::size_t rest = k;
-        for (std::size_t s = values.size(); s-- > 0; rest /= sweeps[s].values.size())
-            values[s] = sweeps[s].values[rest % sweeps[s].values.size()];
-        add_run(values);
-    }
-}
-
-void SweepRun::add_run(const std::vector<std::string>& values) {
-    Run run;
-    run.number = static_cast<int>(runs_.size()) + 1;
-    run.values = values;
-    std::vector<std::string> settings = settings_;
-    for (std::size_t s = 0; s < values.size(); ++s) {
-        const std::string& key = deck_.sweeps[s].name;
-        const std::string name = find_row(deck_keys(), key) ? key : "let " + key;
-        std::erase_if(settings, [&](const std::string& earlier) { return split(earlier, '=')[0] == name; });
-        settings.push_back(concat(name, "=", values[s]));
-        run.name += (s == 0 ? "" : ",") + as_name(concat(key, "=", values[s]));
-    }
-    if (!names_.insert(run.name).second) run.name += concat("-", run.number);
-    try {
-        run.deck = read_deck(path_, settings);
-    } catch (const UsageError& error) {
-        throw UsageError(deck_.sweeps.front().where, ": the run ", run.name, ": ", error.what());
-    }
-    if (is_coupled(run.deck.frames)) throw UsageError(run.name, ": frames = - has no end that a sweep can wait for");
-    run.deck.sweeps.clear();
-    run.deck.output = deck_.output + "/" + run.name;
-    if (run.deck.threads == 0) run.deck.threads = 1;
-    if (run.deck.frames.empty()) run.deck.resume = 0;  // it goes on by runs
-    run.id = concat("# ", version(), ", commit ", commit(), ", run ", run_id(run.deck, hash_), "\n");
-    runs_.push_back(std::move(run));
-}
-
-void SweepRun::read_rows() {
-    for (Run& run : runs_) done_ += !(run.row = row_in(run)).empty();
-    done_before_ = done_;
-    if (done_ > 0) print(out_, done_, " of ", counted(runs_.size(), "run"), " done before\n");
-}
-
-// A run's process has ended.
-void SweepRun::end(pid_t process, int status) {
-    const Child child = children_.at(process);
-    children_.erase(process);
-    Run& run = *child.run;
-    done_ += !(run.row = row_in(run)).empty();
-    std::string how = run.row.empty() ? concat("no result, exit code ", WEXITSTATUS(status)) : status_of(run);
-    if (WIFSIGNALED(status)) how = concat("killed by signal ", WTERMSIG(status));
-    const double left = watch_.seconds() / std::max(1, done_ - done_before_) *
-                        static_cast<double>(static_cast<int>(runs_.size()) - done_);
-    print(out_, padded(concat(done_), 5), " of ", runs_.size(), "  ", padded(run.name, -30), "  ", padded(how, -14),
-          "  ", padded(fixed(child.watch.seconds(), 3), 8), "s  ", fixed(left, 2), "s left\n");
-    std::fflush(out_);
-}
-
-ExitCode SweepRun::run_here() {
-    make_folder(deck_.output);
-    const FolderLock lock(deck_.output);  // held by the runs' processes too
-    read_rows();
-    const CatchInterrupts catching;
-    const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-    bool told = false;
-    for (auto next = runs_.begin(); next != runs_.end() || !children_.empty();) {
-        int threads = 0;
-        for (const auto& child : children_) threads += child.second.run->deck.threads;
-        if (interrupted()) {
-            next = runs_.end();
-            for (const auto& child : children_)
-                if (!told) kill(child.first, SIGTERM);
-            told = true;
-        }
-        if (next != runs_.end() && !next->row.empty()) {
-            ++next;
-        } else if (next != runs_.end() && (threads == 0 || threads + next->deck.threads <= cores)) {
-            children_.emplace(start_process(*next), Child{&*next, {}});
-            ++next;
-        } else if (int status = 0; const pid_t ended = waitpid(-1, &status, WNOHANG)) {
-            if (ended > 0) end(ended, status);
-        } else {
-            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    // All decks are read before the first run starts.
+    SweepRun(const std::string& path, const std::vector<std::string>& settings, std::FILE* out)
+        : path_(path), settings_(settings), out_(out), deck_(read_deck(path, settings)) {
+        const std::vector<Sweep>& sweeps = deck_.sweeps;
+        if (sweeps.empty()) throw UsageError(path, ": there is no line `sweep KEY = VALUES`; one run is almesh ", path);
+        std::size_t count = 1;
+        for (const Sweep& sweep : sweeps)
+            if ((count *= sweep.values.size()) > most_runs)
+                throw UsageError(sweep.where, ": these are more than ", most_runs, " runs");
+        for (std::size_t k = 0; k < count; ++k) {
+            std::vector<std::string> values(sweeps.size());
+            std::size_t rest = k;
+            for (std::size_t s = values.size(); s-- > 0; rest /= sweeps[s].values.size())
+                values[s] = sweeps[s].values[rest % sweeps[s].values.size()];
+            add_run(values);
         }
     }
-    return collect();
-}
 
-// In this process, one after the other.
-ExitCode SweepRun::run_task(int first, int step) {
-    read_rows();
-    const CatchInterrupts catching;
-    for (std::size_t k = first - 1; k < runs_.size() && !interrupted(); k += step) {
-        if (!runs_[k].row.empty()) continue;
-        print(out_, runs_[k].name, "\n");
+    void add_run(const std::vector<std::string>& values) {
+        Run run;
+        run.number = static_cast<int>(runs_.size()) + 1;
+        run.values = values;
+        std::vector<std::string> settings = settings_;
+        for (std::size_t s = 0; s < values.size(); ++s) {
+            const std::string& key = deck_.sweeps[s].name;
+            const std::string name = find_row(deck_keys(), key) ? key : "let " + key;
+            std::erase_if(settings, [&](const std::string& earlier) { return split(earlier, '=')[0] == name; });
+            settings.push_back(concat(name, "=", values[s]));
+            run.name += (s == 0 ? "" : ",") + as_name(concat(key, "=", values[s]));
+        }
+        if (!names_.insert(run.name).second) run.name += concat("-", run.number);
+        try {
+            run.deck = read_deck(path_, settings);
+        } catch (const UsageError& error) {
+            throw UsageError(deck_.sweeps.front().where, ": the run ", run.name, ": ", error.what());
+        }
+        if (is_coupled(run.deck.frames))
+            throw UsageError(run.name, ": frames = - has no end that a sweep can wait for");
+        run.deck.sweeps.clear();
+        run.deck.output = deck_.output + "/" + run.name;
+        if (run.deck.threads == 0) run.deck.threads = 1;
+        if (run.deck.frames.empty()) run.deck.resume = 0;  // it goes on by runs
+        run.id = concat("# ", version(), ", commit ", commit(), ", run ", run_id(run.deck, hash_), "\n");
+        runs_.push_back(std::move(run));
+    }
+
+    void read_rows() {
+        for (Run& run : runs_) done_ += !(run.row = row_in(run)).empty();
+        done_before_ = done_;
+        if (done_ > 0) print(out_, done_, " of ", counted(runs_.size(), "run"), " done before\n");
+    }
+
+    // A run's process has ended.
+    void end(pid_t process, int status) {
+        const Child child = children_.at(process);
+        children_.erase(process);
+        Run& run = *child.run;
+        done_ += !(run.row = row_in(run)).empty();
+        std::string how = run.row.empty() ? concat("no result, exit code ", WEXITSTATUS(status)) : status_of(run);
+        if (WIFSIGNALED(status)) how = concat("killed by signal ", WTERMSIG(status));
+        const double left = watch_.seconds() / std::max(1, done_ - done_before_) *
+                            static_cast<double>(static_cast<int>(runs_.size()) - done_);
+        print(out_, padded(concat(done_), 5), " of ", runs_.size(), "  ", padded(run.name, -30), "  ", padded(how, -14),
+              "  ", padded(fixed(child.watch.seconds(), 3), 8), "s  ", fixed(left, 2), "s left\n");
         std::fflush(out_);
-        run_one(runs_[k]);
     }
-    return interrupted() ? ExitCode::not_converged : ExitCode::success;
-}
 
-// Rows of what has ended, in the order of the runs; which have failed, and which are missing.
-ExitCode SweepRun::collect() {
-    std::string table = heading(deck_);
-    std::map<ExitCode, int> ended;
-    int missing = 0;
-    for (Run& run : runs_) {
-        run.row = row_in(run);
-        if (run.row.empty()) {
-            print(out_, "no result: ", run.name, "\n");
-            ++missing;
-            continue;
+    ExitCode run_here() {
+        make_folder(deck_.output);
+        const FolderLock lock(deck_.output);  // held by the runs' processes too
+        read_rows();
+        const CatchInterrupts catching;
+        const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+        bool told = false;
+        for (auto next = runs_.begin(); next != runs_.end() || !children_.empty();) {
+            int threads = 0;
+            for (const auto& child : children_) threads += child.second.run->deck.threads;
+            if (interrupted()) {
+                next = runs_.end();
+                for (const auto& child : children_)
+                    if (!told) kill(child.first, SIGTERM);
+                told = true;
+            }
+            if (next != runs_.end() && !next->row.empty()) {
+                ++next;
+            } else if (next != runs_.end() && (threads == 0 || threads + next->deck.threads <= cores)) {
+                children_.emplace(start_process(*next), Child{&*next, {}});
+                ++next;
+            } else if (int status = 0; const pid_t ended = waitpid(-1, &status, WNOHANG)) {
+                if (ended > 0) end(ended, status);
+            } else {
+                std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            }
         }
-        const auto code = static_cast<ExitCode>(parse_int(run.row.substr(0, run.row.find(','))).value_or(0));
-        if (code != ExitCode::success)
-            print(out_, "exit code ", static_cast<int>(code), ": ", run.name, ", ", status_of(run),
-                  ": log.txt in its folder\n");
-        ++ended[code];
-        table += concat(run.number, ",", run.row);
+        return collect();
     }
-    write_file(path("sweep.csv"), table);
-    std::string text = counted(runs_.size(), "run") + ":";
-    for (const auto& [code, count] : ended) text += concat(" ", count, " of exit code ", static_cast<int>(code), ",");
-    if (missing > 0) text += concat(" ", missing, " without result, which the same command runs again,");
-    print(out_, text, " table in ", path("sweep.csv"), "\n");
-    if (missing > 0) ended[ExitCode::not_converged] += missing;
-    ended.erase(ExitCode::success);
-    return ended.empty() ? ExitCode::success : ended.begin()->first;
-}
 
-ExitCode SweepRun::write_script() const {
-    constexpr std::size_t most_tasks = 1000;  // Slurm's own limit is 1001, where its administrator sets no other
-    std::error_code error;
-    const fs::path program = fs::read_symlink("/proc/self/exe", error);
-    const std::size_t tasks = std::min(runs_.size(), most_tasks);
-    std::string command = in_shell_quotes(error ? "almesh" : program.string()) + " sweep " + in_shell_quotes(path_);
-    for (const std::string& setting : settings_) command += " " + in_shell_quotes(setting);
-    const std::string script = concat(
-        "#!/bin/bash\n"
-        "#SBATCH --job-name=", as_name(deck_.name), "\n"
-        "#SBATCH --array=1-", tasks, "\n"
-        "#SBATCH --cpus-per-task=", runs_.front().deck.threads, "\n"
-        "#SBATCH --requeue\n"
-        "#SBATCH --output=", fs::absolute(deck_.output).string(), "/slurm-%a.out\n"
-        "# Runs that have ended are not run again: submit it again after a failure. Then gather:\n"
-        "# ", command, " --collect\n"
-        "cd ", in_shell_quotes(fs::current_path().string()), " || exit 2\n"
-        "exec ", command, " --run \"$SLURM_ARRAY_TASK_ID/", tasks, "\"\n");
-    make_folder(deck_.output);
-    write_file(path("sweep.sh"), script);
-    print(out_, counted(runs_.size(), "run"), " in ", counted(tasks, "task"),
-          " of a job array; submit it, then gather:\n  sbatch ", path("sweep.sh"), "\n  ", command, " --collect\n");
-    return ExitCode::success;
-}
+    // In this process, one after the other.
+    ExitCode run_task(int first, int step) {
+        read_rows();
+        const CatchInterrupts catching;
+        for (std::size_t k = first - 1; k < runs_.size() && !interrupted(); k += step) {
+            if (!runs_[k].row.empty()) continue;
+            print(out_, runs_[k].name, "\n");
+            std::fflush(out_);
+            run_one(runs_[k]);
+        }
+        return interrupted() ? ExitCode::not_converged : ExitCode::success;
+    }
+
+    // Rows of what has ended, in the order of the runs; which have failed, and which are missing.
+    ExitCode collect() {
+        std::string table = heading(deck_);
+        std::map<ExitCode, int> ended;
+        int missing = 0;
+        for (Run& run : runs_) {
+            run.row = row_in(run);
+            if (run.row.empty()) {
+                print(out_, "no result: ", run.name, "\n");
+                ++missing;
+                continue;
+            }
+            const auto code = static_cast<ExitCode>(parse_int(run.row.substr(0, run.row.find(','))).value_or(0));
+            if (code != ExitCode::success)
+                print(out_, "exit code ", static_cast<int>(code), ": ", run.name, ", ", status_of(run),
+                      ": log.txt in its folder\n");
+            ++ended[code];
+            table += concat(run.number, ",", run.row);
+        }
+        write_file(path("sweep.csv"), table);
+        std::string text = counted(runs_.size(), "run") + ":";
+        for (const auto& [code, count] : ended)
+            text += concat(" ", count, " of exit code ", static_cast<int>(code), ",");
+        if (missing > 0) text += concat(" ", missing, " without result, which the same command runs again,");
+        print(out_, text, " table in ", path("sweep.csv"), "\n");
+        if (missing > 0) ended[ExitCode::not_converged] += missing;
+        ended.erase(ExitCode::success);
+        return ended.empty() ? ExitCode::success : ended.begin()->first;
+    }
+
+    ExitCode write_script() const {
+        constexpr std::size_t most_tasks = 1000;  // Slurm's own limit is 1001, where its administrator sets no other
+        std::error_code error;
+        const fs::path program = fs::read_symlink("/proc/self/exe", error);
+        const std::size_t tasks = std::min(runs_.size(), most_tasks);
+        std::string command = in_shell_quotes(error ? "almesh" : program.string()) + " sweep " + in_shell_quotes(path_);
+        for (const std::string& setting : settings_) command += " " + in_shell_quotes(setting);
+        const std::string script = concat(
+            "#!/bin/bash\n"
+            "#SBATCH --job-name=", as_name(deck_.name), "\n"
+            "#SBATCH --array=1-", tasks, "\n"
+            "#SBATCH --cpus-per-task=", runs_.front().deck.threads, "\n"
+            "#SBATCH --requeue\n"
+            "#SBATCH --output=", fs::absolute(deck_.output).string(), "/slurm-%a.out\n"
+            "# Runs that have ended are not run again: submit it again after a failure. Then gather:\n"
+            "# ", command, " --collect\n"
+            "cd ", in_shell_quotes(fs::current_path().string()), " || exit 2\n"
+            "exec ", command, " --run \"$SLURM_ARRAY_TASK_ID/", tasks, "\"\n");
+        make_folder(deck_.output);
+        write_file(path("sweep.sh"), script);
+        print(out_, counted(runs_.size(), "run"), " in ", counted(tasks, "task"),
+              " of a job array; submit it, then gather:\n  sbatch ", path("sweep.sh"), "\n  ", command, " --collect\n");
+        return ExitCode::success;
+    }
+};
 
 // K/N
 std::pair<int, int> task_of(const std::string& text) {
