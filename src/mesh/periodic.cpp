@@ -50,13 +50,13 @@ PeriodicSides after(const PeriodicSides& first, PeriodicSides then) {
 
 // A direction along which hardly two nodes of a mesh are side by side; nodes by their places on it.
 constexpr Vec<3> direction = {0.5377, 0.6542, 0.5319};
-using NodesAlong = std::multimap<double, int>;
+using NodesAlong = std::set<std::pair<double, int>>;
 
 // -1 where there is none.
 int nearest(const Vec<3>& at, const NodesAlong& nodes, const Mesh& mesh, double tolerance) {
     int found = -1;
     const double place = dot(direction, at), last = place + tolerance;
-    for (auto node = nodes.lower_bound(place - tolerance); node != nodes.end() && node->first <= last; ++node)
+    for (auto node = nodes.lower_bound({place - tolerance, 0}); node != nodes.end() && node->first <= last; ++node)
         if (const double distance = length(at_node(mesh.x, node->second, mesh.dim) - at); distance < tolerance)
             tolerance = distance, found = node->second;
     return found;
@@ -69,30 +69,29 @@ std::vector<Pair> links_of(const Mesh& mesh, const std::vector<char>& boundaries
     const double size = mesh.file.periodic.empty() ? 0 : size_of(mesh);
     for (const PeriodicSides& by : mesh.file.periodic) {
         if (by.dim != mesh.dim - 1 || (equal(by.R, one) && length(by.t) <= of_size * size)) continue;
-        const auto is_of = [&](int f, int tag) {
-            return boundaries[mesh.face_boundary[f]] && (tag == 0 || tag == mesh.file.face_entity[f]);
+        const int tag[] = {by.master, by.slave};
+        const auto is_of = [&](int f, int side) {
+            return boundaries[mesh.face_boundary[f]] && (tag[side] == 0 || tag[side] == mesh.file.face_entity[f]);
         };
-        std::set<int> masters, slaves, linked_masters, linked_slaves;
+        NodesAlong slaves;
+        std::set<int> masters, linked[2];
         for_face_nodes(mesh, [&](int f, std::size_t k) {
-            if (is_of(f, by.master)) masters.insert(mesh.faces[k]);
-            if (is_of(f, by.slave)) slaves.insert(mesh.faces[k]);
+            const int i = mesh.faces[k];
+            if (is_of(f, 0)) masters.insert(i);
+            if (is_of(f, 1)) slaves.emplace(dot(direction, at_node(mesh.x, i, mesh.dim)), i);
         });
-        NodesAlong along;
-        for (const int i : slaves) along.emplace(dot(direction, at_node(mesh.x, i, mesh.dim)), i);
         for (const int i : masters) {
-            const int image = nearest(by.image(at_node(mesh.x, i, mesh.dim)), along, mesh, of_size * size);
+            const int image = nearest(by.image(at_node(mesh.x, i, mesh.dim)), slaves, mesh, of_size * size);
             if (image < 0) continue;
             links.push_back({image, i, by});
-            linked_masters.insert(i);
-            linked_slaves.insert(image);
+            linked[0].insert(i);
+            linked[1].insert(image);
         }
-        for (int f = 0; f < mesh.face_count(); ++f) {
-            const auto are = [&](int tag, const std::set<int>& linked) {
-                return is_of(f, tag) && std::all_of(mesh.face(f), mesh.face(f) + mesh.face_nodes(f),
-                                                    [&](int i) { return linked.contains(i); });
-            };
-            if (are(by.master, linked_masters) || are(by.slave, linked_slaves)) matched[f] = 1;
-        }
+        for (int f = 0; f < mesh.face_count(); ++f)
+            for (const int side : {0, 1})
+                if (is_of(f, side) && std::all_of(mesh.face(f), mesh.face(f) + mesh.face_nodes(f),
+                                                  [&](int i) { return linked[side].contains(i); }))
+                    matched[f] = 1;
     }
     return links;
 }
@@ -151,9 +150,8 @@ PeriodicPairs periodic_pairs(const Mesh& mesh, const std::vector<char>& boundari
     std::stable_sort(roots.begin(), roots.end(), [&](int i, int j) { return hold[i] > hold[j]; });
     std::map<int, PeriodicSides> reached;
     for (const int root : roots) {
-        if (reached.contains(root)) continue;
         std::vector<Pair> all = {{root, root, {mesh.dim - 1, 0, 0, one, {}}}};
-        reached[root] = all[0].by;
+        if (!reached.try_emplace(root, all[0].by).second) continue;
         bool turns = false;  // one comes back to a node turned: it is its own image
         for (std::size_t k = 0; k < all.size(); ++k)
             for (const Pair& link : from[all[k].slave]) {
@@ -193,26 +191,24 @@ void PeriodicPairs::spread(std::vector<double>& d) const {
 void PeriodicPairs::fold(std::vector<double>& g) const {
     for (const auto& [slave, master, by] : pairs)
         for (int a = 0; a < dim; ++a) {
-            for (int b = 0; b < dim; ++b) point(g, master, dim)[b] += by.R[a][b] * point(g, slave, dim)[a];
+            const double of_slave = std::exchange(point(g, slave, dim)[a], 0.0);
+            for (int b = 0; b < dim; ++b) point(g, master, dim)[b] += by.R[a][b] * of_slave;
         }
-    for (const Pair& pair : pairs) std::fill_n(point(g, pair.slave, dim), dim, 0.0);
 }
 
 // The blocks in the row and in the column of each slave go to those of its master.
 void PeriodicPairs::fold(BlockCsr& H) const {
-    const auto root = [&](int row) {
+    const auto root = [&](int row) {  // of its node's master, and how that is turned
         const int k = of_node[H.node_of(row)];
-        return k < 0 ? row : H.row_of(pairs[k].master);
-    };
-    const auto rotation = [&](int row) {
-        const int k = of_node[H.node_of(row)];
-        return k < 0 ? one : pairs[k].by.R;
+        return k < 0 ? std::pair(row, one) : std::pair(H.row_of(pairs[k].master), pairs[k].by.R);
     };
     const auto move = [&](int i, int j, int k) {
         Mat<3> B{};
         for (int ab = 0; ab < dim * dim; ++ab) B[ab / dim][ab % dim] = std::exchange(H.block(k)[ab], 0.0);
-        B = multiply<3>(multiply<3>(transpose<3>(rotation(i)), B), rotation(j));
-        double* const to = H.block(H.find(root(i), root(j)));
+        const auto [row, R] = root(i);
+        const auto [column, S] = root(j);
+        B = multiply<3>(multiply<3>(transpose<3>(R), B), S);
+        double* const to = H.block(H.find(row, column));
         for (int ab = 0; ab < dim * dim; ++ab) to[ab] += B[ab / dim][ab % dim];
     };
     for (const Pair& pair : pairs) {
@@ -222,7 +218,7 @@ void PeriodicPairs::fold(BlockCsr& H) const {
         for (int k = H.row[i]; k < H.row[i + 1]; ++k) {
             const int j = H.col[k];
             move(i, j, k);
-            if (root(j) == j) move(j, i, H.find(j, i));
+            if (root(j).first == j) move(j, i, H.find(j, i));
         }
         for (int a = 0; a < dim; ++a) H.block(diagonal)[a * dim + a] = trace > 0 ? trace / dim : 1;
     }
