@@ -49,11 +49,6 @@ std::string name_of(const RawElement& element);  // "element 12 (line 40)", "ele
 // around a vertex)) time, in parallel; 32 bytes per tetrahedron (24 per triangle).
 std::vector<std::array<int, 2>> fill_boundary(MeshBuild& build);
 
-// Faces that do not match: throws InputError, naming both elements, where a boundary face is a triangle on three
-// vertices of a quadrilateral one: the two sides of a face inside the domain, which seem to be boundaries as they do
-// not match. Cost: O(faces log faces), none where all faces are of one type.
-void refuse_hanging_faces(const MeshBuild& build);
-
 // Fills Mesh::kept from MeshBuild::kept, once elements and nodes are there. What is not in the mesh is left out, with a
 // note of curves and faces. Cost: O(elements + kept cells * elements around a vertex).
 void fill_kept(MeshBuild& build);

@@ -2,42 +2,31 @@
 
 #include <algorithm>
 
-#include "linalg/ordering/graph.hpp"
 #include "mesh/kept_cells.hpp"
 
 namespace almesh {
 namespace {
 
-// Elements by their vertices.
-struct ElementsAround {
-    explicit ElementsAround(const Mesh& mesh) {
-        for (const ElementGroup& group : mesh.element_groups()) corners = std::max(corners, group.cell->vertices);
-        std::vector<int> vertex(offset(mesh.element_count(), corners));
-        for (int e = 0; e < mesh.element_count(); ++e)  // the last one of an element with fewer more than once
-            for (int v = 0; v < corners; ++v)
-                vertex[offset(e, corners, v)] = mesh.element(e)[std::min(v, mesh.cell(e).vertices - 1)];
-        sorted = sorted_by_group(vertex, mesh.nodes());
-    }
-    int corners = 0;
-    Groups sorted;  // items: element * corners + local vertex
-};
-
-// An element that has the cell with the given nodes, -1: none.
-int element_of(const Subcells& subcells, const ElementsAround& around, const std::vector<int>& nodes,
-               const CellType& cell) {
-    for (const int item : around.sorted.of(nodes[0])) {
-        const int e = item / around.corners;
-        if (subcells.has(e, nodes.data(), cell) && subcells.nodes(e, nodes.data(), cell) == nodes) return e;
-    }
-    return -1;
+// The elements at the nodes with which kept cells begin.
+std::vector<std::vector<int>> elements_around(const MeshBuild& build) {
+    const Mesh& mesh = build.mesh;
+    std::vector<char> begins(mesh.nodes(), 0);
+    for (const int i : build.kept)
+        if (const int node = build.node[build.raw.element_nodes[build.raw.elements[i].first]]; node >= 0)
+            begins[node] |= build.raw.elements[i].dim > 0;
+    std::vector<std::vector<int>> around(mesh.nodes());
+    for (int e = 0; e < mesh.element_count(); ++e)
+        for (int v = 0; v < mesh.cell(e).vertices; ++v)
+            if (const int node = mesh.element(e)[v]; begins[node]) around[node].push_back(e);
+    return around;
 }
 
-void append(KeptCells& kept, const RawElement& cell, const std::vector<int>& nodes, int element) {
-    kept.nodes.insert(kept.nodes.end(), nodes.begin(), nodes.end());
-    kept.element.push_back(element);
-    kept.id.push_back(cell.id);
-    kept.physical.push_back(cell.physical);
-    kept.entity.push_back(cell.entity);
+// Of these one that has the cell with the given nodes, -1: none.
+int element_of(const Subcells& subcells, const std::vector<int>& elements, const std::vector<int>& nodes,
+               const CellType& cell) {
+    for (const int e : elements)
+        if (subcells.has(e, nodes.data(), cell) && subcells.nodes(e, nodes.data(), cell) == nodes) return e;
+    return -1;
 }
 
 }  // namespace
@@ -47,7 +36,7 @@ void fill_kept(MeshBuild& build) {
     const RawMesh& raw = build.raw;
     if (build.kept.empty()) return;
     std::sort(build.kept.begin(), build.kept.end());  // file order
-    const ElementsAround around(mesh);
+    const std::vector<std::vector<int>> around = elements_around(build);
     const Subcells subcells(mesh);
     const RawElement* first_dropped = nullptr;
     std::size_t dropped = 0, copies = 0;  // copies: other elements than simplices that are given again
@@ -56,17 +45,15 @@ void fill_kept(MeshBuild& build) {
         std::vector<int> nodes;
         for (int k = 0; k < cell.node_count(); ++k)
             nodes.push_back(build.node[raw.element_nodes[cell.first + k]]);
-        if (cell.dim == 0) {
-            if (nodes[0] >= 0) append(mesh.kept[0], cell, nodes, -1);
-            continue;
-        }
-        const bool is_copy = cell.dim == mesh.dim && !cell.cell().is_simplex();
-        const bool in_mesh =
-            !is_copy && cell.degree == mesh.degree && *std::min_element(nodes.begin(), nodes.end()) >= 0;
-        const int element = in_mesh ? element_of(subcells, around, nodes, cell.cell()) : -1;
-        if (element >= 0) append(mesh.kept[&cell.cell() - cell_types().data()], cell, nodes, element);
-        else if (is_copy) ++copies;
-        else if (++dropped == 1) first_dropped = &cell;
+        const bool is_point = cell.dim == 0, is_copy = cell.dim == mesh.dim && !cell.cell().is_simplex();
+        const bool in_mesh = !is_copy && (is_point || cell.degree == mesh.degree) && std::ranges::min(nodes) >= 0;
+        const int element = in_mesh && !is_point ? element_of(subcells, around[nodes[0]], nodes, cell.cell()) : -1;
+        if (element >= 0 || (is_point && in_mesh)) {
+            KeptCells& kept = mesh.kept[&cell.cell() - cell_types().data()];
+            kept.nodes.insert(kept.nodes.end(), nodes.begin(), nodes.end());
+            append_tags({{}, {element}, {cell.id}, {cell.physical}, {cell.entity}}, 0, kept);
+        } else if (is_copy) ++copies;
+        else if (!is_point && ++dropped == 1) first_dropped = &cell;
     }
     if (copies)
         build.notes.push_back(concat(counted(copies, mesh.dim == 2 ? "quadrilateral" : "cell"),

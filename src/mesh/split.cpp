@@ -27,9 +27,7 @@ std::vector<Simplex> subsimplices(std::span<const Part> parts, int count, const 
 }
 
 bool has(std::span<const int> vertices, const Simplex& s) {
-    return std::all_of(s.begin(), s.end(), [&](int v) {
-        return std::find(vertices.begin(), vertices.end(), v) != vertices.end();
-    });
+    return std::ranges::all_of(s, [&](int v) { return std::ranges::find(vertices, v) != vertices.end(); });
 }
 
 std::vector<long long> all_ids(const Mesh& mesh) {
@@ -37,11 +35,6 @@ std::vector<long long> all_ids(const Mesh& mesh) {
     ids.insert(ids.end(), mesh.file.face_id.begin(), mesh.file.face_id.end());
     for (const KeptCells& kept : mesh.kept) ids.insert(ids.end(), kept.id.begin(), kept.id.end());
     return ids;
-}
-
-template <class Values>
-void repeat(Values& values, int at) {
-    if (!values.empty()) values.push_back(values[at]);
 }
 
 class Splitting {
@@ -114,7 +107,7 @@ private:
         mesh_.elements.resize(mesh_.elements.size() + basis_.count);
         mesh_.file.element_id.push_back(ids_.next());
         for (std::vector<int>* const of : {&mesh_.file.element_physical, &mesh_.file.element_entity, &whole_})
-            repeat(*of, e);
+            if (!of->empty()) of->push_back((*of)[e]);
         parts_[whole_[e]].push_back(part);
         return part;
     }
@@ -165,8 +158,8 @@ private:
                 const int part = k == 0 ? c : kept.count();
                 if (k > 0) {
                     kept.nodes.insert(kept.nodes.end(), old.begin(), old.end());
-                    kept.id.push_back(ids_.next());
-                    for (std::vector<int>* const of : {&kept.element, &kept.physical, &kept.entity}) repeat(*of, c);
+                    append_tags(kept, c, kept);
+                    kept.id.back() = ids_.next();
                 }
                 int* const vertex = &kept.nodes[offset(part, width)];
                 std::replace(vertex, vertex + dim + 1, s[k], middle);
