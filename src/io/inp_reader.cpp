@@ -122,8 +122,14 @@ struct InpReader {
             for (const int id : of.ids)
                 if (const int e = elements.find(id); e >= 0) groups.add(of.name, e);
         for (const Surface& surface : surfaces) add_surface(surface, dim, groups);
-        if (std::all_of(mesh.groups.begin(), mesh.groups.end(), [dim](const auto& group) { return group.dim == dim; }))
-            groups.add_sides(by_nodes(), file_nodes);
+        NamedGroups::NodeSets by_nodes;
+        for (const auto& [key, of] : node_sets) {
+            by_nodes.push_back({of.name, {}});
+            for (const int id : of.ids)
+                if (const int node = nodes.find(id); node >= 0) by_nodes.back().second.push_back(node);
+        }
+        if (std::ranges::all_of(mesh.groups, [dim](const auto& group) { return group.dim == dim; }))
+            groups.add_sides(by_nodes, file_nodes);
         groups.finish();
         constexpr int most = 20;  // characters of a number that both programs read
         if (longest <= most) mesh.coordinates.most = most;
@@ -356,16 +362,6 @@ struct InpReader {
                 throw InputError(surface.where, "a ", cell.name, " has no side ", in_backquotes(surface.label));
         }
     }
-
-    std::vector<std::pair<std::string, std::vector<int>>> by_nodes() const {
-        std::vector<std::pair<std::string, std::vector<int>>> sets;
-        for (const auto& [key, of] : node_sets) {
-            sets.push_back({of.name, {}});
-            for (const int id : of.ids)
-                if (const int node = nodes.find(id); node >= 0) sets.back().second.push_back(node);
-        }
-        return sets;
-    }
 };
 
 }  // namespace
@@ -378,9 +374,7 @@ bool looks_like_inp(std::string_view text) {
 }
 
 RawMesh parse_inp(std::string_view text, const std::string& path) {
-    InpReader reader{.nodes = IdIndex(text.size() / 100)};
-    RawMesh mesh = reader.read(text, path);
-    return mesh;
+    return InpReader{.nodes = IdIndex(text.size() / 100)}.read(text, path);
 }
 
 }  // namespace almesh

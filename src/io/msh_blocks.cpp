@@ -6,6 +6,7 @@
 
 #include "geometry/box_tree.hpp"
 #include "mesh/inner_boundary.hpp"
+#include "mesh/kept_cells.hpp"
 #include "mesh/raw_mesh.hpp"
 #include "mesh/unused_ids.hpp"
 
@@ -138,27 +139,20 @@ MshCopies msh_copies(const Mesh& mesh, const std::vector<MshCells>& all) {
     }
     UnusedIds<long long> unused(std::move(ids));
     for (const MshCells& cells : all) {
-        std::vector<int> nodes, physical, entity;
-        std::vector<long long> id;
+        KeptCells& copy = copies.arrays.emplace_back();
         for (int c = 0; c < cells.count(); ++c) {
             const FileEntity* const own = find_entity(mesh.file.entities, cells.dim, cells.entity[c]);
             if (!own || own->physical.empty() || own->physical[0] != cells.physical_of(c)) continue;
             for (const int tag : std::span(own->physical).subspan(1)) {
                 if (known.contains({cells.dim, cells.entity[c], tag})) continue;
                 const std::span<const int> of_cell = cells.nodes_of(c);
-                nodes.insert(nodes.end(), of_cell.begin(), of_cell.end());
-                physical.push_back(tag);
-                entity.push_back(cells.entity[c]);
-                id.push_back(unused.next());
+                copy.nodes.insert(copy.nodes.end(), of_cell.begin(), of_cell.end());
+                append_tags({{}, {-1}, {unused.next()}, {tag}, {cells.entity[c]}}, 0, copy);
             }
         }
-        if (id.empty()) continue;
-        copies.nodes.push_back(std::move(nodes));
-        copies.physical.push_back(std::move(physical));
-        copies.entity.push_back(std::move(entity));
-        copies.id.push_back(std::move(id));
-        copies.cells.push_back({cells.dim, cells.type, cells.width, copies.nodes.back(), copies.id.back(),
-                                copies.physical.back(), copies.entity.back()});
+        if (copy.count() > 0)
+            copies.cells.push_back(
+                {cells.dim, cells.type, cells.width, copy.nodes, copy.id, copy.physical, copy.entity});
     }
     return copies;
 }

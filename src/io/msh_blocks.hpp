@@ -2,6 +2,7 @@
 // the physical tags; and the numbers.
 #pragma once
 #include <cstdint>
+#include <deque>
 #include <span>
 #include <string>
 #include <vector>
@@ -28,8 +29,7 @@ struct MshCells {
 // Cells of entities with several physical groups, which MSH 2.2 has once for each of them: those that are not among
 // msh_cells(). The cells refer to the arrays here.
 struct MshCopies {
-    std::vector<std::vector<int>> nodes, physical, entity;
-    std::vector<std::vector<long long>> id;
+    std::deque<KeptCells> arrays;
     std::vector<MshCells> cells;
 };
 MshCopies msh_copies(const Mesh& mesh, const std::vector<MshCells>& all);

@@ -184,8 +184,7 @@ struct MshReader {
                 begin_record("entities of this dimension", i, count[dim]);
                 mesh.entities.push_back(entity(dim, are_partitioned));
             }
-        std::stable_sort(mesh.entities.begin(), mesh.entities.end(),
-                         [](const FileEntity& a, const FileEntity& b) { return a.key < b.key; });
+        std::ranges::stable_sort(mesh.entities, {}, &FileEntity::key);
     }
 
     // MSH 4: the pieces of entities that a partition has, with the physical groups of these.
@@ -418,7 +417,11 @@ struct MshReader {
         element.type = type.cell;
         element.degree = type.degree;
         append(mesh.elements, element_index, "element", element);
-        for (int k = 0; k < type.nodes; ++k) mesh.element_nodes.push_back(read_node_of_element());
+        for (int k = 0; k < type.nodes; ++k) {
+            const long long id = in.id("a node id");
+            mesh.element_nodes.push_back(node_index.find(id));
+            if (mesh.element_nodes.back() < 0) in.fail("the element has node ", id, ", which is not in $Nodes");
+        }
         mesh.element_nodes.resize(element.first + element.node_count(), -1);
         in.end_of_record();
     }
@@ -427,13 +430,6 @@ struct MshReader {
     void read_element_type() {
         const int number = in.integer("an element type", 1);
         if (number != type.number) type = msh_type(number);
-    }
-
-    int read_node_of_element() {
-        const long long id = in.id("a node id");
-        const int node = node_index.find(id);
-        if (node < 0) in.fail("the element has node ", id, ", which is not in $Nodes");
-        return node;
     }
 
     // To be refused all together; in a binary file at once, as their length is not known.

@@ -41,9 +41,8 @@ struct Su2Writer {
     }
 
     Marker& marker(const std::string& name) {
-        const auto is_it = [&](const Marker& one) { return one.name == name; };
-        const auto found = std::find_if(markers.begin(), markers.end(), is_it);
-        return found != markers.end() ? *found : markers.emplace_back(Marker{name});
+        Marker* const found = find_row(markers, name);
+        return found ? *found : markers.emplace_back(Marker{name});
     }
 
     // The boundaries, and the tagged faces inside the mesh; a marker of a file without faces stays.
@@ -58,17 +57,12 @@ struct Su2Writer {
         for (const KeptFace& face : kept_faces(mesh))
             if (face.physical) marker(name_of(face.physical)).faces.push_back({face.id, face.cell, face.nodes});
         if (mesh.groups_of_faces.empty()) return;
-        for (Marker& one : markers)  // in the file's order
-            std::stable_sort(one.faces.begin(), one.faces.end(),
-                             [](const MarkerFace& a, const MarkerFace& b) { return a.id < b.id; });
+        for (Marker& one : markers) std::ranges::stable_sort(one.faces, {}, &MarkerFace::id);  // the file's order
     }
 
     void append_cell(std::string& text, const CellType& cell, const int* node) const {
         append(text, static_cast<long long>(cell.vtk_types[0] + 100 * (mesh.degree - 1)));
-        for (const int i : orders.at(&cell)) {
-            text += ' ';
-            append(text, static_cast<long long>(node[i]));
-        }
+        for (const int i : orders.at(&cell)) append(text += ' ', static_cast<long long>(node[i]));
     }
 
     void write_elements() const {
@@ -80,8 +74,7 @@ struct Su2Writer {
         sink(concat("NELEM= ", elements.size(), "\n"));
         append_rows(sink, mesh.element_count(), [&](std::string& text, int e) {
             append_cell(text, mesh.cell(elements[e]), mesh.element(elements[e]));
-            text += ' ';
-            append(text, static_cast<long long>(e));
+            append(text += ' ', static_cast<long long>(e));
             text += '\n';
         });
     }
