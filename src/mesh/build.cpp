@@ -15,15 +15,6 @@
 namespace almesh {
 namespace {
 
-// Elements of one type one after the other, each type in file order.
-void group_elements(MeshBuild& build) {
-    const auto type = [&](int i) { return &build.raw.elements[i].cell(); };
-    std::stable_sort(build.elements.begin(), build.elements.end(), [&](int i, int j) { return type(i) < type(j); });
-    std::vector<const CellType*> types;
-    for (const int i : build.elements) types.push_back(type(i));
-    build.mesh.groups = groups_of(types, build.mesh.degree);
-}
-
 // repeated: indices into raw.elements, ascending.
 void select(MeshBuild& build, const std::vector<int>& repeated) {
     const RawMesh& raw = build.raw;
@@ -48,7 +39,11 @@ void select(MeshBuild& build, const std::vector<int>& repeated) {
     }
     build.mesh.dim = dim;
     build.mesh.degree = first->degree;
-    group_elements(build);
+    const auto type = [&](int i) { return &raw.elements[i].cell(); };
+    std::ranges::stable_sort(build.elements, {}, type);  // those of one type in file order
+    std::vector<const CellType*> types;
+    for (const int i : build.elements) types.push_back(type(i));
+    build.mesh.groups = groups_of(types, build.mesh.degree);
 }
 
 // Lengths from 1 / longest to it have volumes, and products of them, within the range of numbers.
@@ -165,8 +160,7 @@ void reverse(Mesh& mesh, const std::vector<int>& elements) {
 
 // Of some elements the one that comes first in the file.
 int first_in_file(const MeshBuild& build, const std::vector<int>& elements) {
-    return *std::min_element(elements.begin(), elements.end(),
-                             [&](int e, int f) { return build.elements[e] < build.elements[f]; });
+    return std::ranges::min(elements, {}, [&](int e) { return build.elements[e]; });
 }
 
 // Elements whose straight-sided form is negatively oriented. Refuses those without volume; with Folds::keep

@@ -153,8 +153,7 @@ const CellType& CellType::face_type(int k) const {
 }
 
 const CellType* cell_of_vtk_type(int type) {
-    const auto cell = std::find_if(std::begin(cells), std::end(cells),
-                                   [&](const CellType& c) { return c.vtk_types[0] == type; });
+    const auto cell = std::ranges::find(cells, type, [](const CellType& c) { return c.vtk_types[0]; });
     return cell == std::end(cells) ? nullptr : cell;
 }
 

@@ -15,9 +15,7 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-bool has(const Names& names, const std::string& name) {
-    return std::find(names.begin(), names.end(), name) != names.end();
-}
+bool has(const Names& names, const std::string& name) { return std::ranges::find(names, name) != names.end(); }
 
 // Of a cell of the file: of its entity, or its own.
 Names groups_of(const FileTags& file, int dim, int physical, int entity) {
@@ -50,10 +48,9 @@ private:
     std::map<std::array<int, 2>, std::vector<int>> of_tags_;
 
     int index(const std::string& name) {
-        const auto is_it = [&name](const GroupCells& group) { return group.name == name; };
-        const auto at = static_cast<int>(std::find_if(groups.begin(), groups.end(), is_it) - groups.begin());
-        if (at == static_cast<int>(groups.size())) groups.push_back({name, {}});
-        return at;
+        const auto at = std::ranges::find(groups, name, &GroupCells::name) - groups.begin();
+        if (at == std::ssize(groups)) groups.push_back({name, {}});
+        return static_cast<int>(at);
     }
 };
 
@@ -159,11 +156,7 @@ struct InnerBuilder {
             for (int k = 0; k < static_cast<int>(cell.faces.size()); ++k)
                 sides.push_back(side_of_cell(cell, vertices, k, f * most + k));
         }
-        struct Neighbour {
-            int face;
-            bool alike;
-        };
-        std::vector<std::vector<Neighbour>> neighbours(inner.size());
+        std::vector<std::vector<std::pair<int, bool>>> neighbours(inner.size());  // and whether they are alike
         for_equal_sides(sides, [&](std::span<const Side> equal) {
             if (equal.size() != 2) return;
             const auto direction = [&](const Side& s) { return dim == 2 ? s.number % most == 0 : s.even; };
@@ -173,17 +166,15 @@ struct InnerBuilder {
             neighbours[f].push_back({g, alike});
             neighbours[g].push_back({f, alike});
         });
-        std::vector<char> seen(inner.size(), 0), turned(inner.size(), 0);
+        std::vector<int> turned(inner.size(), -1);  // -1: not known yet
         for (int first = 0; first < static_cast<int>(inner.size()); ++first) {
-            if (seen[first]) continue;
-            std::vector<int> front = {first};
-            seen[first] = 1;
-            while (!front.empty()) {
+            if (turned[first] >= 0) continue;
+            turned[first] = 0;
+            for (std::vector<int> front = {first}; !front.empty();) {
                 const int f = front.back();
                 front.pop_back();
-                for (const auto [g, alike] : neighbours[f]) {
-                    if (seen[g]) continue;
-                    seen[g] = 1;
+                for (const auto& [g, alike] : neighbours[f]) {
+                    if (turned[g] >= 0) continue;
                     turned[g] = alike ? turned[f] : !turned[f];
                     front.push_back(g);
                 }
@@ -194,8 +185,7 @@ struct InnerBuilder {
     }
 
     void append() {
-        std::stable_sort(inner.begin(), inner.end(),
-                         [](const InnerFace& a, const InnerFace& b) { return (a.kept < 0) < (b.kept < 0); });
+        std::ranges::stable_sort(inner, {}, [](const InnerFace& face) { return face.kept < 0; });
         std::vector<const CellType*> types;  // of all faces
         for (int f = 0; f < mesh.face_count(); ++f) types.push_back(&mesh.face_cell(f));
         for (const InnerFace& face : inner) {

@@ -72,10 +72,6 @@ void add_faces(const Mesh& mesh, const std::vector<char>& chosen, const std::vec
 
 }  // namespace
 
-std::vector<double> MeshPart::restricted(const std::vector<double>& field) const {
-    return at_nodes(node_of, field, dim);
-}
-
 MeshPart part_of(const Mesh& mesh, const std::vector<char>& chosen, const std::string& cut) {
     MeshPart part;
     part.dim = mesh.dim;

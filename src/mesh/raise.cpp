@@ -27,19 +27,18 @@ Mesh linear_part(const Mesh& mesh) {
     if (mesh.degree > 1) linear.file.leave_file();
     linear.x.clear();
     linear.file.node_id.clear();
-    std::vector<int> index(mesh.nodes(), -1);
-    for (int e = 0; e < mesh.element_count(); ++e)
-        for (int v = 0; v < mesh.cell(e).vertices; ++v) index[mesh.element(e)[v]] = 0;
-    int count = 0;
-    for (int i = 0; i < mesh.nodes(); ++i) {
-        if (index[i] < 0) continue;
-        index[i] = count++;
-        linear.file.node_id.push_back(mesh.file.node_id[i]);
-        for (int a = 0; a < mesh.dim; ++a) linear.x.push_back(mesh.x[offset(i, mesh.dim, a)]);
-    }
     linear.elements.clear();
     for (int e = 0; e < mesh.element_count(); ++e)
-        for (int v = 0; v < mesh.cell(e).vertices; ++v) linear.elements.push_back(index[mesh.element(e)[v]]);
+        linear.elements.insert(linear.elements.end(), mesh.element(e), mesh.element(e) + mesh.cell(e).vertices);
+    std::vector<int> index(mesh.nodes(), -1);
+    for (const int node : linear.elements) index[node] = 0;
+    for (int i = 0; i < mesh.nodes(); ++i) {
+        if (index[i] < 0) continue;
+        index[i] = linear.nodes();
+        linear.file.node_id.push_back(mesh.file.node_id[i]);
+        linear.x.insert(linear.x.end(), point(mesh.x, i, mesh.dim), point(mesh.x, i, mesh.dim) + mesh.dim);
+    }
+    for (int& node : linear.elements) node = index[node];
     start_groups(linear.groups, 1);
     start_groups(linear.groups_of_faces, 1);
     linear.faces.clear();

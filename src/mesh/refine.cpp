@@ -113,17 +113,8 @@ void for_children(const CellType& cell, const int* v, Midpoints& midpoint, const
         }
         return s;
     };
-    const auto& o = *std::min_element(cell.octahedra.begin(), cell.octahedra.end(),
-                                      [&](const auto& p, const auto& q) { return diagonal(p) < diagonal(q); });
+    const auto& o = *std::ranges::min_element(cell.octahedra, {}, diagonal);
     for (int k = 0; k < 4; ++k) append({o[0], o[1], o[2 + k], o[2 + (k + 1) % 4]});
-}
-
-// Those of the cell's own type.
-void append_children(const CellType& cell, const int* v, Midpoints& midpoint, const std::vector<double>& x,
-                     std::vector<int>& out) {
-    for_children(cell, v, midpoint, x, [&](const CellType& type, const int* vertex) {
-        if (&type == &cell) out.insert(out.end(), vertex, vertex + type.vertices);
-    });
 }
 
 // The elements after refining some once: of each type those of the elements in their order, those of one together.
@@ -145,11 +136,9 @@ struct RefinedElements {
 
 private:
     static int children_of(const CellType& cell, const CellType& type) {
+        const auto is_of_type = [&](const CellChild& child) { return &cell.child_type(child) == &type; };
         const int inside_octahedron = cell.octahedra.empty() || &cell != &type ? 0 : 4;
-        return inside_octahedron +
-               static_cast<int>(std::count_if(cell.children.begin(), cell.children.end(), [&](const CellChild& child) {
-                   return &cell.child_type(child) == &type;
-               }));
+        return inside_octahedron + static_cast<int>(std::ranges::count_if(cell.children, is_of_type));
     }
 };
 
@@ -168,14 +157,17 @@ void refine_kept_cells(const Mesh& mesh, const Groups& children, Midpoints& midp
         const CellType& cell = mesh.cell_of(coarse);
         if (cell.dim == 0) continue;
         KeptCells& kept = fine.kept[&coarse - mesh.kept.data()] = {};
+        const auto append = [&](const CellType& type, const int* vertex) {  // of the children of its own type
+            if (&type == &cell) kept.nodes.insert(kept.nodes.end(), vertex, vertex + type.vertices);
+        };
         for (int c = 0; c < coarse.count(); ++c)
-            append_children(cell, cell.dim == mesh.dim ? mesh.element(coarse.element[c])
-                                                       : &coarse.nodes[offset(c, cell.vertices)],
-                            midpoint, fine.x, kept.nodes);
+            for_children(cell, cell.dim == mesh.dim ? mesh.element(coarse.element[c])
+                                                    : &coarse.nodes[offset(c, cell.vertices)],
+                         midpoint, fine.x, append);
         for (std::size_t k = 0; k < kept.nodes.size(); k += cell.vertices) {
             const auto of = children.of(coarse.element[(k / cell.vertices) >> cell.dim]);
-            kept.element.push_back(*std::find_if(
-                of.begin(), of.end(), [&](int e) { return subcells.has(e, &kept.nodes[k], cell); }));
+            const auto has_it = [&](int e) { return subcells.has(e, &kept.nodes[k], cell); };
+            kept.element.push_back(*std::ranges::find_if(of, has_it));
         }
         kept.physical = repeated(coarse.physical, 1 << cell.dim);
         kept.entity = repeated(coarse.entity, 1 << cell.dim);
@@ -249,15 +241,6 @@ Mesh refine_once(const Mesh& mesh) {
     return fine;
 }
 
-// For each node the last one of the elements that have it.
-std::vector<int> element_of_nodes(const Mesh& mesh) {
-    std::vector<int> element(mesh.nodes());
-    for (const ElementGroup& group : mesh.element_groups())
-        for (int e = group.first; e < group.first + group.count; ++e)
-            for (int i = 0; i < group.cell->node_count(mesh.degree); ++i) element[mesh.element(e)[i]] = e;
-    return element;
-}
-
 // Reference coordinates of the point y in the straight-sided element with the given vertices, on the lattice of
 // 1/steps; where that is no simplex by Newton's method, on a pyramid for a (1 - c), b (1 - c) and c, and not on the
 // lattice, since the children of one whose base is no parallelogram are not its images of their place in it.
@@ -322,7 +305,9 @@ std::vector<double> prolong(const Mesh& coarse, const std::vector<double>& coars
                             const std::vector<double>& fine_ideal, const std::vector<double>& field) {
     const std::vector<LagrangeBasis> bases = bases_of(coarse.element_groups(), coarse.degree),
                                      linear = bases_of(coarse.element_groups(), 1);
-    const std::vector<int> element = element_of_nodes(fine);
+    std::vector<int> element(fine.nodes());  // the last one of those that have the node
+    for (int e = 0; e < fine.element_count(); ++e)
+        for (int i = 0; i < fine.element_nodes(e); ++i) element[fine.element(e)[i]] = e;
     std::vector<int> parent(coarse.element_count());  // element of `coarse` that each one of `fine` is in
     std::iota(parent.begin(), parent.end(), 0);
     double steps = fine.degree;

@@ -92,9 +92,7 @@ void add_carried_groups(const Mesh& mesh, std::vector<Group>& groups) {
         for (int c = 0; c < kept.count(); ++c) {
             if (!kept.physical[c]) continue;
             ++cells[kept.physical[c]];
-            for (int k = 0; k < width; ++k)
-                if (const int node = kept.nodes[offset(c, width, k)]; node >= 0)
-                    nodes[kept.physical[c]].push_back(node);
+            for (int k = 0; k < width; ++k) nodes[kept.physical[c]].push_back(kept.nodes[offset(c, width, k)]);
         }
         for (const auto& [tag, count] : cells)
             groups.push_back({dim == 0 ? "Points (carried along)" : "Curves (carried along)",
@@ -204,9 +202,8 @@ void describe_mesh(std::FILE* out, const Deck& deck, const Mesh& mesh, const std
 
     const std::vector<GroupCells> inner = inner_groups(mesh), volumes = volume_groups(mesh);
     print_groups(mesh, inner, volumes, out);
-    const bool has_names = std::none_of(notes.begin(), notes.end(),
-                                        [](const std::string& note) { return note.starts_with("no tagged"); });
-    if (!has_names || deck.given.contains("feature_angle")) print_parts(deck, mesh, out);
+    const auto tells_of_none = [](const std::string& note) { return note.starts_with("no tagged"); };
+    if (std::ranges::any_of(notes, tells_of_none) || deck.given.contains("feature_angle")) print_parts(deck, mesh, out);
     print_deck(deck, mesh, inner, volumes, out);
 }
 

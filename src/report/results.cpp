@@ -110,8 +110,6 @@ std::string row_of_series(const std::string& name, double time) {
     return concat("    {\"name\": \"", name, "\", \"time\": ", time, "}");
 }
 
-std::string iterate_name(int number) { return numbered("iterate-", number); }
-
 // The mesh in the formats of the key `final`, where that is its file's one in that text, and as VTK. Returns the first.
 std::string write_mesh(const Deck& deck, const Problem& problem, const Solution& solution,
                        const std::vector<double>& positions, const std::string& name,
@@ -184,10 +182,10 @@ void write_initial(const Deck& deck, const Problem& problem) {
 }
 
 void write_iterate(const Deck& deck, const Problem& problem, int number, const std::vector<double>& x) {
-    write_volume(deck, problem, iterate_name(number).c_str(), x, problem.frame.to_file(x, problem.mesh().dim),
+    write_volume(deck, problem, numbered("iterate-", number).c_str(), x, problem.frame.to_file(x, problem.mesh().dim),
                  problem.level->energy->statistics(x).element_max, nullptr);
     std::vector<std::pair<std::string, double>> files;
-    for (int k = 0; k <= number; ++k) files.emplace_back(iterate_name(k) + ".vtk", k * deck.iterates);
+    for (int k = 0; k <= number; ++k) files.emplace_back(numbered("iterate-", k) + ".vtk", k * deck.iterates);
     write_series(deck.output + "/iterates.vtk.series", files);
 }
 

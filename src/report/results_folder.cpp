@@ -42,17 +42,14 @@ bool is_of_frame(const std::string& name) {
                                            ending == "-swept.csv"));
 }
 
-bool is_derivative(const std::string& name) {
-    return (name.starts_with("adjoint-") || name.starts_with("tangent-")) && name.ends_with(".csv");
-}
-
 // What a run may write, but for deck.txt and the mesh so far.
 bool is_result(const std::string& name) {
     constexpr std::array<std::string_view, 11> results = {
         "initial.vtk", "final.vtk", "boundary.vtk", "stop.vtk", sweep_row,
         "summary.txt", "quality.csv", "expectations.csv", "moved-nodes.csv", "invalid.csv", "iterates.vtk.series"};
     return (name.starts_with("final") && is_ending_of_mesh(name.substr(5))) || is_of_frame(name) ||
-           is_derivative(name) || (name.starts_with("iterate-") && name.ends_with(".vtk")) ||
+           ((name.starts_with("adjoint-") || name.starts_with("tangent-")) && name.ends_with(".csv")) ||
+           (name.starts_with("iterate-") && name.ends_with(".vtk")) ||
            std::find(results.begin(), results.end(), name) != results.end();
 }
 
@@ -114,11 +111,6 @@ const std::string& checked_folder(const Deck& deck) {
     return deck.output;
 }
 
-std::string host() {
-    char name[256] = {};
-    return gethostname(name, sizeof name - 1) == 0 ? name : "this machine";
-}
-
 }  // namespace
 
 ResultsFolder::ResultsFolder(const Deck& deck)
@@ -156,7 +148,9 @@ FolderLock::FolderLock(const std::string& folder) : path_(folder + "/almesh.lock
         }
         close(file);
     }
-    const std::string owner = concat("process ", getpid(), " on ", host());
+    char host[256] = {};
+    const bool is_known = gethostname(host, sizeof host - 1) == 0;
+    const std::string owner = concat("process ", getpid(), " on ", is_known ? host : "this machine");
     if (ftruncate(file_, 0) != 0 || write(file_, owner.data(), owner.size()) < 0)
         throw InputError("cannot write to ", path_, ": ", std::strerror(errno));
 }
