@@ -76,9 +76,9 @@ RawMesh raw_mesh(const MeshArrays& arrays) {
     }
     for (const Cells& cells : arrays.elements) add_cells(arrays, cells, dim, 0, "elements", raw);
     for (const Faces& faces : arrays.faces) {
-        const auto same = std::ranges::find(raw.groups, faces.boundary, &PhysicalGroup::name);
-        const int tag = static_cast<int>(same - raw.groups.begin()) + 1;
-        if (same == raw.groups.end()) raw.groups.push_back({dim - 1, tag, faces.boundary});
+        const PhysicalGroup* const same = find_row(raw.groups, faces.boundary);
+        const int tag = same ? same->tag : static_cast<int>(raw.groups.size()) + 1;
+        if (!same) raw.groups.push_back({dim - 1, tag, faces.boundary});
         add_cells(arrays, faces.cells, dim - 1, tag, "faces of " + in_backquotes(faces.boundary), raw);
     }
     return raw;

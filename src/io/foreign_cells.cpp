@@ -165,7 +165,8 @@ bool simplify(RawElement& element, int* node) {
         return true;
     };
     const auto outside = [&](const std::vector<int>& face) {  // the first vertex that is not on it
-        return *std::ranges::find_if(vertices, [&](int v) { return std::ranges::find(face, v) == face.end(); });
+        return *std::find_if(vertices.begin(), vertices.end(),
+                             [&](int v) { return std::find(face.begin(), face.end(), v) == face.end(); });
     };
     if (element.degree > 1 || triangles == 0) return false;
     const std::vector<int>&first = faces.front(), &last = faces.back();
@@ -255,11 +256,14 @@ void complete_serendipity(RawMesh& mesh) {
     for (const RawElement& element : mesh.elements)
         if (element.degree == 2) (is_complete(element) ? elements : incomplete).push_back(&element);
     // Nodes of the file first; on a boundary those of its faces.
-    std::ranges::stable_sort(incomplete, {}, &RawElement::dim);
+    std::stable_sort(incomplete.begin(), incomplete.end(),
+                     [](const RawElement* a, const RawElement* b) { return a->dim < b->dim; });
     elements.insert(elements.end(), incomplete.begin(), incomplete.end());
     for (const RawElement* element : elements) completion.complete(*element);
     for (const SerendipityCell& kind : serendipity_cells())
-        if (const auto count = std::ranges::count(incomplete, kind.cell, &RawElement::type))
+        if (const auto count = std::count_if(incomplete.begin(), incomplete.end(), [&](const RawElement* element) {
+                return element->type == kind.cell;
+            }))
             mesh.notes.push_back(concat(count, " ", count == 1 ? kind.cell->name : kind.cell->plural, " of ",
                                         kind.nodes(), " nodes: completed to ", kind.cell->node_count(2),
                                         " each, by nodes in the middle of faces and cells"));

@@ -128,7 +128,7 @@ struct InpReader {
             for (const int id : of.ids)
                 if (const int node = nodes.find(id); node >= 0) by_nodes.back().second.push_back(node);
         }
-        if (std::ranges::all_of(mesh.groups, [dim](const auto& group) { return group.dim == dim; }))
+        if (std::all_of(mesh.groups.begin(), mesh.groups.end(), [dim](const auto& group) { return group.dim == dim; }))
             groups.add_sides(by_nodes, file_nodes);
         groups.finish();
         constexpr int most = 20;  // characters of a number that both programs read

@@ -19,7 +19,7 @@ void read_periodic(MshScanner& from, const IdIndex& node_index, RawMesh& mesh) t
     if (from.version == 40) return;
     from.binary = from.binary && in_blocks;
     from.begin_numbers();
-    const int dim = std::ranges::max_element(mesh.elements, {}, &RawElement::dim)->dim;  // of the mesh
+    const int dim = dim_of(mesh);
     const long long count = from.size("the number of periodic entities", 0, LLONG_MAX);
     for (long long k = 0; k < count; ++k) {
         next_record(from);

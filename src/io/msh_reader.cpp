@@ -184,7 +184,7 @@ struct MshReader {
                 begin_record("entities of this dimension", i, count[dim]);
                 mesh.entities.push_back(entity(dim, are_partitioned));
             }
-        std::ranges::stable_sort(mesh.entities, {}, &FileEntity::key);
+        std::stable_sort(mesh.entities.begin(), mesh.entities.end(), is_before);
     }
 
     // MSH 4: the pieces of entities that a partition has, with the physical groups of these.

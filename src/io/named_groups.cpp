@@ -58,7 +58,9 @@ void NamedGroups::add_sides(const NodeSets& sets, std::size_t count) {
         std::vector<int> nodes = nodes_of_side(side);
         std::erase_if(nodes, [count](int node) { return node >= static_cast<int>(count); });
         for (const int s : sets_of[nodes[0]])
-            if (std::ranges::all_of(nodes, [&](int node) { return std::ranges::binary_search(sets_of[node], s); }))
+            if (std::all_of(nodes.begin(), nodes.end(), [&](int node) {
+                    return std::binary_search(sets_of[node].begin(), sets_of[node].end(), s);
+                }))
                 sides[s].push_back(side);
     }
     for (std::size_t s = 0; s < sets.size(); ++s)
@@ -69,7 +71,7 @@ void NamedGroups::add_sides(const NodeSets& sets, std::size_t count) {
 const std::vector<NamedGroups::ElementSide>& NamedGroups::outer_sides() {
     if (!outer_.empty()) return outer_;
     constexpr int most = 6;
-    const int dim = std::ranges::max_element(mesh_.elements, {}, &RawElement::dim)->dim;
+    const int dim = dim_of(mesh_);
     std::vector<Side> sides;
     for (std::size_t e = 0; e < mesh_.elements.size(); ++e)
         if (const RawElement& element = mesh_.elements[e]; element.dim == dim)
@@ -94,7 +96,7 @@ void NamedGroups::finish() {
         element.entity = known->second;
         element.physical = of_[e].front();
     }
-    std::ranges::sort(mesh_.entities, {}, &FileEntity::key);
+    std::sort(mesh_.entities.begin(), mesh_.entities.end(), is_before);
 }
 
 }  // namespace almesh

@@ -241,8 +241,8 @@ struct Su2Reader {
             const std::string name(in.rest_as_name());
             if (name.empty()) in.fail("a marker without a name");
             expect_keyword("MARKER_ELEMS");
-            const auto same =
-                std::ranges::find(mesh.groups.begin() + before, mesh.groups.end(), name, &PhysicalGroup::name);
+            const auto same = std::find_if(mesh.groups.begin() + before, mesh.groups.end(),
+                                           [&](const PhysicalGroup& group) { return group.name == name; });
             const int tag = static_cast<int>(same - mesh.groups.begin()) + 1;
             if (same == mesh.groups.end()) {
                 mesh.groups.push_back({dim - 1, tag, name});

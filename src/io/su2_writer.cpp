@@ -57,7 +57,9 @@ struct Su2Writer {
         for (const KeptFace& face : kept_faces(mesh))
             if (face.physical) marker(name_of(face.physical)).faces.push_back({face.id, face.cell, face.nodes});
         if (mesh.groups_of_faces.empty()) return;
-        for (Marker& one : markers) std::ranges::stable_sort(one.faces, {}, &MarkerFace::id);  // the file's order
+        for (Marker& one : markers)  // in the file's order
+            std::stable_sort(one.faces.begin(), one.faces.end(),
+                             [](const MarkerFace& a, const MarkerFace& b) { return a.id < b.id; });
     }
 
     void append_cell(std::string& text, const CellType& cell, const int* node) const {

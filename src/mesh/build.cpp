@@ -40,7 +40,8 @@ void select(MeshBuild& build, const std::vector<int>& repeated) {
     build.mesh.dim = dim;
     build.mesh.degree = first->degree;
     const auto type = [&](int i) { return &raw.elements[i].cell(); };
-    std::ranges::stable_sort(build.elements, {}, type);  // those of one type in file order
+    std::stable_sort(build.elements.begin(), build.elements.end(),  // those of one type in file order
+                     [&](int i, int j) { return type(i) < type(j); });
     std::vector<const CellType*> types;
     for (const int i : build.elements) types.push_back(type(i));
     build.mesh.groups = groups_of(types, build.mesh.degree);
@@ -160,7 +161,8 @@ void reverse(Mesh& mesh, const std::vector<int>& elements) {
 
 // Of some elements the one that comes first in the file.
 int first_in_file(const MeshBuild& build, const std::vector<int>& elements) {
-    return std::ranges::min(elements, {}, [&](int e) { return build.elements[e]; });
+    return *std::min_element(elements.begin(), elements.end(),
+                             [&](int e, int f) { return build.elements[e] < build.elements[f]; });
 }
 
 // Elements whose straight-sided form is negatively oriented. Refuses those without volume; with Folds::keep

@@ -46,7 +46,8 @@ void fill_kept(MeshBuild& build) {
         for (int k = 0; k < cell.node_count(); ++k)
             nodes.push_back(build.node[raw.element_nodes[cell.first + k]]);
         const bool is_point = cell.dim == 0, is_copy = cell.dim == mesh.dim && !cell.cell().is_simplex();
-        const bool in_mesh = !is_copy && (is_point || cell.degree == mesh.degree) && std::ranges::min(nodes) >= 0;
+        const bool in_mesh = !is_copy && (is_point || cell.degree == mesh.degree) &&
+                             *std::min_element(nodes.begin(), nodes.end()) >= 0;
         const int element = in_mesh && !is_point ? element_of(subcells, around[nodes[0]], nodes, cell.cell()) : -1;
         if (element >= 0 || (is_point && in_mesh)) {
             KeptCells& kept = mesh.kept[&cell.cell() - cell_types().data()];

@@ -153,7 +153,8 @@ const CellType& CellType::face_type(int k) const {
 }
 
 const CellType* cell_of_vtk_type(int type) {
-    const auto cell = std::ranges::find(cells, type, [](const CellType& c) { return c.vtk_types[0]; });
+    const auto is_it = [type](const CellType& cell) { return cell.vtk_types[0] == type; };
+    const auto cell = std::find_if(std::begin(cells), std::end(cells), is_it);
     return cell == std::end(cells) ? nullptr : cell;
 }
 

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "base/text.hpp"
 #include "mesh/kept_cells.hpp"
 #include "mesh/raw_mesh.hpp"
 #include "mesh/sides.hpp"
@@ -15,7 +16,9 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-bool has(const Names& names, const std::string& name) { return std::ranges::find(names, name) != names.end(); }
+bool has(const Names& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+}
 
 // Of a cell of the file: of its entity, or its own.
 Names groups_of(const FileTags& file, int dim, int physical, int entity) {
@@ -48,9 +51,9 @@ private:
     std::map<std::array<int, 2>, std::vector<int>> of_tags_;
 
     int index(const std::string& name) {
-        const auto at = std::ranges::find(groups, name, &GroupCells::name) - groups.begin();
-        if (at == std::ssize(groups)) groups.push_back({name, {}});
-        return static_cast<int>(at);
+        const GroupCells* const same = find_row(groups, name);
+        if (!same) groups.push_back({name, {}});
+        return static_cast<int>((same ? same : &groups.back()) - groups.data());
     }
 };
 
@@ -185,7 +188,7 @@ struct InnerBuilder {
     }
 
     void append() {
-        std::ranges::stable_sort(inner, {}, [](const InnerFace& face) { return face.kept < 0; });
+        std::stable_partition(inner.begin(), inner.end(), [](const InnerFace& face) { return face.kept >= 0; });
         std::vector<const CellType*> types;  // of all faces
         for (int f = 0; f < mesh.face_count(); ++f) types.push_back(&mesh.face_cell(f));
         for (const InnerFace& face : inner) {

@@ -234,8 +234,8 @@ BlockCsr PeriodicPairs::pattern(const BlockCsr& H) const {
     return pattern_of_cells(H.n, H.d, cells, 2);
 }
 
-double PeriodicPairs::Pair::mismatch(const std::vector<double>& x, int dim) const {
-    return length(at_node(x, slave, dim) - by.image(at_node(x, master, dim)));
+double PeriodicPairs::Pair::mismatch(const std::vector<double>& x, int n) const {
+    return length(at_node(x, slave, n) - by.image(at_node(x, master, n)));
 }
 
 double PeriodicPairs::mismatch(const std::vector<double>& x) const {

@@ -23,7 +23,7 @@ struct PeriodicPairs {
         int slave, master;
         PeriodicSides by;  // R and t
 
-        double mismatch(const std::vector<double>& x, int dim) const;
+        double mismatch(const std::vector<double>& x, int n) const;  // n: dimension
     };
     int dim = 2;
     std::vector<Pair> pairs{};  // each node is a slave once at most, and no master then

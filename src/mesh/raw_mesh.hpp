@@ -45,12 +45,20 @@ struct RawMesh {
     std::vector<std::string> notes;         // of what the reader has changed
 };
 
+inline bool is_before(const FileEntity& a, const FileEntity& b) { return a.key < b.key; }
+
 // Entity (dim, tag), or nullptr where the file lists none. entities: ascending by key. Cost: O(log entities).
 inline const FileEntity* find_entity(const std::vector<FileEntity>& entities, int dim, int tag) {
     const auto found =
         std::lower_bound(entities.begin(), entities.end(), EntityKey{dim, tag},
                          [](const FileEntity& entity, const EntityKey& key) { return entity.key < key; });
     return found != entities.end() && found->key == EntityKey{dim, tag} ? &*found : nullptr;
+}
+
+inline int dim_of(const RawMesh& mesh) {  // that of its elements
+    int dim = 0;
+    for (const RawElement& element : mesh.elements) dim = std::max(dim, element.dim);
+    return dim;
 }
 
 inline int degree_of(const RawMesh& mesh) {

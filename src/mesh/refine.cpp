@@ -113,7 +113,8 @@ void for_children(const CellType& cell, const int* v, Midpoints& midpoint, const
         }
         return s;
     };
-    const auto& o = *std::ranges::min_element(cell.octahedra, {}, diagonal);
+    const auto is_shorter = [&](const auto& a, const auto& b) { return diagonal(a) < diagonal(b); };
+    const auto& o = *std::min_element(cell.octahedra.begin(), cell.octahedra.end(), is_shorter);
     for (int k = 0; k < 4; ++k) append({o[0], o[1], o[2 + k], o[2 + (k + 1) % 4]});
 }
 
@@ -138,7 +139,8 @@ private:
     static int children_of(const CellType& cell, const CellType& type) {
         const auto is_of_type = [&](const CellChild& child) { return &cell.child_type(child) == &type; };
         const int inside_octahedron = cell.octahedra.empty() || &cell != &type ? 0 : 4;
-        return inside_octahedron + static_cast<int>(std::ranges::count_if(cell.children, is_of_type));
+        return inside_octahedron +
+               static_cast<int>(std::count_if(cell.children.begin(), cell.children.end(), is_of_type));
     }
 };
 
@@ -167,7 +169,7 @@ void refine_kept_cells(const Mesh& mesh, const Groups& children, Midpoints& midp
         for (std::size_t k = 0; k < kept.nodes.size(); k += cell.vertices) {
             const auto of = children.of(coarse.element[(k / cell.vertices) >> cell.dim]);
             const auto has_it = [&](int e) { return subcells.has(e, &kept.nodes[k], cell); };
-            kept.element.push_back(*std::ranges::find_if(of, has_it));
+            kept.element.push_back(*std::find_if(of.begin(), of.end(), has_it));
         }
         kept.physical = repeated(coarse.physical, 1 << cell.dim);
         kept.entity = repeated(coarse.entity, 1 << cell.dim);

@@ -27,7 +27,8 @@ std::vector<Simplex> subsimplices(std::span<const Part> parts, int count, const 
 }
 
 bool has(std::span<const int> vertices, const Simplex& s) {
-    return std::ranges::all_of(s, [&](int v) { return std::ranges::find(vertices, v) != vertices.end(); });
+    const auto is_vertex = [&](int v) { return std::find(vertices.begin(), vertices.end(), v) != vertices.end(); };
+    return std::all_of(s.begin(), s.end(), is_vertex);
 }
 
 std::vector<long long> all_ids(const Mesh& mesh) {

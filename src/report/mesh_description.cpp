@@ -203,7 +203,8 @@ void describe_mesh(std::FILE* out, const Deck& deck, const Mesh& mesh, const std
     const std::vector<GroupCells> inner = inner_groups(mesh), volumes = volume_groups(mesh);
     print_groups(mesh, inner, volumes, out);
     const auto tells_of_none = [](const std::string& note) { return note.starts_with("no tagged"); };
-    if (std::ranges::any_of(notes, tells_of_none) || deck.given.contains("feature_angle")) print_parts(deck, mesh, out);
+    if (std::any_of(notes.begin(), notes.end(), tells_of_none) || deck.given.contains("feature_angle"))
+        print_parts(deck, mesh, out);
     print_deck(deck, mesh, inner, volumes, out);
 }
 
