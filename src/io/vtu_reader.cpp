@@ -79,6 +79,7 @@ struct VtuReader {
     void find_arrays() {
         std::string_view section;
         int pieces = 0;
+        bool is_empty = true;  // the piece
         for (std::size_t at = file.find('<'); at != file.npos; at = file.find('<', at)) {
             const std::string_view begin = file.substr(at);
             if (begin.starts_with("<!--")) {
@@ -87,9 +88,9 @@ struct VtuReader {
             }
             const VtuTag tag = take_tag(at);
             if (tag.name == "VTKFile") begin_file(tag, begin);
-            else if (tag.name == "Piece" && tag["NumberOfPoints"] != "0" && ++pieces > 1)
+            else if (tag.name == "Piece" && !(is_empty = tag["NumberOfPoints"] == "0") && ++pieces > 1)
                 fail(begin, "a second Piece: only one is read; ParaView's filter Clean to Grid merges them");
-            else if (tag.name == "DataArray" && pieces > 0)
+            else if (tag.name == "DataArray" && !is_empty)
                 arrays.push_back({tag, section, trim(file.substr(at, file.find('<', at) - at))});
             else if (tag.name == "AppendedData") {
                 is_appended_base64 = tag["encoding"] == "base64";

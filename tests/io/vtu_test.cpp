@@ -139,6 +139,18 @@ TEST_CASE("VTU: Lagrange hexahedra have two edges in another order before versio
     CHECK(node("2.0", order[19]) == order[18]);
 }
 
+TEST_CASE("VTU: pieces without points are passed over, before and after the one that has some") {
+    const std::string one = file_of(as_text, "ascii", "");
+    const std::string none = "<Piece NumberOfPoints=\"0\" NumberOfCells=\"0\"><CellData><DataArray type=\"Int32\" "
+                             "Name=\"material\" format=\"ascii\"/></CellData><Points><DataArray type=\"Float64\" "
+                             "NumberOfComponents=\"3\" format=\"ascii\"></DataArray></Points></Piece>";
+    for (const std::string at : {"<Piece", "</UnstructuredGrid>"}) {
+        std::string text = one;
+        text.insert(text.find(at), none);
+        check_triangles(text);
+    }
+}
+
 TEST_CASE("VTU: other files are refused with a sentence") {
     const std::string good = file_of(as_text, "ascii", "");
     const auto refused = [](std::string text, const std::string& from, const std::string& to, const char* message) {
