@@ -101,15 +101,17 @@ inline const MeshFormat& find_format(std::span<const MeshFormat> formats, std::s
                      ": not a mesh file of a known format, by its first lines or its name; readable are: ", readable);
 }
 
-// The mesh in the text of the file `path`; throws InputError.
-inline RawMesh parse_mesh(std::string_view text, const std::string& path) {
-    const MeshFormat& format = find_format(mesh_formats, text, path);
+// The mesh in the text of the file `path`, of this format or of the one that find_format() tells; throw InputError.
+inline RawMesh parse_mesh(std::string_view text, const std::string& path, const MeshFormat& format) {
     if (!format.may_be_binary) check_is_text(text, path);
     RawMesh mesh = format.parse(text, path);
     mesh.format.ending = format.ending;
     complete_serendipity(mesh);
     simplify_cells(mesh);
     return mesh;
+}
+inline RawMesh parse_mesh(std::string_view text, const std::string& path) {
+    return parse_mesh(text, path, find_format(mesh_formats, text, path));
 }
 
 // Of a mesh that was read in a format and has other nodes now: the one to write it in.

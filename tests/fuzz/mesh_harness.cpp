@@ -109,7 +109,7 @@ void check_info(std::string_view bytes, const std::string& name) {
 void fuzz_format(std::string_view bytes, const std::string& ending) {
     const auto format = std::find_if(std::begin(mesh_formats), std::end(mesh_formats),
                                      [&](const MeshFormat& row) { return row.ending == ending; });
-    const auto mesh = mesh_or_refusal([&] { return format->parse(bytes, "fuzz" + ending); });
+    const auto mesh = mesh_or_refusal([&] { return parse_mesh(bytes, "fuzz" + ending, *format); });
     if (!mesh) return;
     check_mesh(*mesh);
     check_patched(bytes, *mesh);
