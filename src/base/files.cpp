@@ -77,7 +77,7 @@ std::string read_file(const std::string& path) {
 }
 
 void check_is_text(std::string_view contents, const std::string& path) {
-    if (std::memchr(contents.data(), '\0', contents.size()))
+    if (contents.find('\0') != contents.npos)
         cannot("read", path, "it is binary; save it as text (ASCII)");
 }
 
