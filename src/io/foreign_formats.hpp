@@ -18,7 +18,7 @@ RawMesh parse_inp(std::string_view text, const std::string& path);
 // VTK's XML files of unstructured grids, as VTK, ParaView, meshio and pyvista write them: numbers as text, in base64 or
 // appended, as they are or compressed by zlib. Ids are VTK's numbers plus one. An array of whole numbers of the cells,
 // such as `material`, makes the group "material 5" of the cells that have 5 there, where it has at most 256 different
-// ones. Refused: other kinds of grids, several pieces, other compressions.
+// ones. Refused: other kinds of grids, several pieces with points, other compressions.
 bool looks_like_vtu(std::string_view text);
 RawMesh parse_vtu(std::string_view text, const std::string& path);
 

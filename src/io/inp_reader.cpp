@@ -186,6 +186,11 @@ struct InpReader {
         keyword = capitals(words[0]);
         static const std::set<std::string> generators = {"*NGEN", "*NFILL", "*NCOPY", "*NMAP", "*ELGEN", "*ELCOPY",
                                                          "*SYSTEM"};
+        static const std::set<std::string> known = {"*NODE", "*ELEMENT", "*NSET", "*ELSET", "*SURFACE", "*INCLUDE"};
+        std::vector<std::string>& others = mesh.sections;
+        if (!known.contains(keyword) && !keyword.starts_with("*END") &&
+            std::find(others.begin(), others.end(), keyword) == others.end())
+            others.push_back(keyword);
         if (generators.contains(keyword))
             file.fail(keyword, ": nodes and elements have to be listed; write the file with them by the program that "
                       "made it");

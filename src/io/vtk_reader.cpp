@@ -36,8 +36,10 @@ struct VtkReader {
             else if (keyword == "POINTS") points(mesh);
             else if (keyword == "CELLS") are_by_offsets ? cells_by_offsets() : cells_with_counts();
             else if (keyword == "CELL_TYPES") types(mesh);
-            else if (keyword == "POINT_DATA" || keyword == "CELL_DATA") break;
-            else in.fail("expected POINTS, CELLS, CELL_TYPES or FIELD, got ", in_backquotes(keyword));
+            else if (keyword == "POINT_DATA" || keyword == "CELL_DATA") {
+                mesh.sections.push_back(keyword);
+                break;
+            } else in.fail("expected POINTS, CELLS, CELL_TYPES or FIELD, got ", in_backquotes(keyword));
         }
         if (mesh.nodes.empty() || mesh.elements.empty()) in.fail("there are no POINTS, or no CELLS with CELL_TYPES");
         return mesh;

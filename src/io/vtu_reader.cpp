@@ -320,6 +320,7 @@ struct VtuReader {
         NamedGroups groups(mesh);
         for (const VtuArray& of : arrays) {
             const std::string_view components = of.tag["NumberOfComponents"], name = of.tag["Name"];
+            if (of.section.ends_with("Data")) mesh.sections.push_back(concat(of.section, " ", name));
             if (of.section != "CellData" || of.tag["type"].find("Int") == of.section.npos || name == "vtkGhostType" ||
                 (!components.empty() && components != "1"))
                 continue;
@@ -327,6 +328,7 @@ struct VtuReader {
             if (value.size() != cells) fail(of.tag.name, "not as many numbers as cells");
             if (std::set<long long>(value.begin(), value.end()).size() > most) continue;
             for (std::size_t c = 0; c < cells; ++c) groups.add(concat(name, " ", value[c]), static_cast<int>(c));
+            mesh.sections.pop_back();  // its numbers are in the names of groups
         }
         groups.finish();
     }

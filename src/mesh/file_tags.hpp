@@ -81,8 +81,7 @@ struct ImpliedNode {
 
 // The cells of one type that a file has besides the elements and the boundary faces of its mesh: points, curves
 // of 3D meshes, faces inside the mesh, elements and boundary faces that are given once more, as those of several groups
-// are in MSH 2.2.
-// They move with the mesh and are written again; the method does not see them.
+// are in MSH 2.2. They move with the mesh and are written again; the method does not see them.
 struct KeptCells {
     std::vector<int> nodes;    // cells x nodes of the mesh's degree, in Gmsh's order
     std::vector<int> element;  // one that has all nodes of the cell; -1: not known, of a point

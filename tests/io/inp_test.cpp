@@ -202,3 +202,15 @@ TEST_CASE("a surface may name lines of a mesh in the plane") {
     CHECK(faces_of(mesh_of(plane + "*SURFACE,NAME=S\n2,\n")) ==
           std::vector<std::string>{"S 1 2", "untagged 1 3", "untagged 2 3"});
 }
+
+TEST_CASE("Abaqus and VTK: what the file has besides the mesh is named, for a mesh that is written anew") {
+    const std::string more = "*MATERIAL,NAME=S\n*ELASTIC\n1,0.3\n*STEP\n*STATIC\n*END STEP\n*STEP\n*END STEP\n";
+    const std::vector<std::string> names = {"*MATERIAL", "*ELASTIC", "*STEP", "*STATIC"};
+    CHECK(parse_mesh(tetrahedron + more, "a.inp").sections == names);
+    CHECK(parse_mesh(tetrahedron, "a.inp").sections.empty());
+    const std::string vtk = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 3 double\n0 0 0 1 0 0 "
+                            "0 1 0\nCELLS 1 4\n3 0 1 2\nCELL_TYPES 1\n5\n";
+    CHECK(parse_mesh(vtk, "a.vtk").sections.empty());
+    CHECK(parse_mesh(vtk + "POINT_DATA 3\nSCALARS p double\n", "a.vtk").sections ==
+          std::vector<std::string>{"POINT_DATA"});
+}

@@ -54,6 +54,7 @@ std::string file_of(const Arrays& arrays, const std::string& format, const std::
 void check_triangles(const std::string& text) {
     const RawMesh raw = parse_mesh(text, "a.vtu");
     REQUIRE(raw.coordinates.first.size() == 12);
+    CHECK(raw.sections == std::vector<std::string>{"PointData p"});
     std::vector<double> x;
     for (const RawNode& node : raw.nodes) x.insert(x.end(), node.x, node.x + 3);
     CHECK(patched(text, raw.coordinates, x) == text);
