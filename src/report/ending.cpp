@@ -229,7 +229,11 @@ void print_boundary(std::FILE* out, const Deck& deck, const Problem& problem, co
     const double error = solution.max_boundary_error * problem.frame.length;
     const bool is_fit =
         deck.target == TargetKind::least_squares && target.prescribes_all() && !target.in_trace_space;
-    if (solution.nodes_off_target > 0)
+    if (solution.nodes_off_target > 0 && last.relative_boundary_error == 0)  // that was before round_as_file()
+        print(out, counted(solution.nodes_off_target, "boundary node"), solution.nodes_off_target == 1 ? " is" : " are",
+              " at the nearest position that the numbers of the mesh file can have; largest boundary error ",
+              shown(error, 3), "\n");
+    else if (solution.nodes_off_target > 0)
         print(out, "|c_D| = ", shown(last.constraint_norm * problem.frame.length, 3), "; ",
               counted(solution.nodes_off_target, "boundary node"), " off their targets, by at most ",
               shown(last.relative_boundary_error, 2), " of a cell's height; largest boundary error ", shown(error, 3),
