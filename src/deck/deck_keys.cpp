@@ -213,6 +213,14 @@ const std::vector<DeckKey>& deck_keys() {
          "distance, in units of the local edge, of where the file has them. Nodes of faces that would be farther off "
          "stay where they are. A run that leaves the surface by more, since no valid mesh was found on it, has not "
          "converged where this key is given."},
+        {"stop", choice<&Deck::stops_valid>({"best", "valid"}),
+         "ideal = regular, size or mesh. valid: the run ends when the mesh is valid; best: it makes it better then."},
+        {"guard", choice<&Deck::guard>({"auto", "scaled_jacobian", "certified_bound"}),
+         "ideal = regular: which least value of a mesh may not fall when it is made better; auto: the certified bound of "
+         "curved cells, the scaled Jacobian of straight ones."},
+        {"size_change", number<&Deck::size_change>({0, 10}),
+         "ideal = regular: the part by which sizes of elements and wall spacings may change once the mesh is valid; 0: "
+         "they are free; auto: 0.2 where boundaries have layers of flat cells, else 0."},
         {"surface", choice<&Deck::surface>({"auto", "keep", "slide", "straighten"}),
          "What is done where no valid mesh has the target as its boundary. auto: the boundary nodes there slide along "
          "the surface, and of fixed boundaries faces become flatter where that does not help; keep: the run is refused; "

@@ -1,215 +1,334 @@
 // s = det(a, b, c) / (|a| |b| |c|) over that of the regular cell, a, b, c the edges at the corner:
-// grad_a log s = b x c / det - a / |a|^2.
+// grad_a s = (b x c) / (|a| |b| |c|) - s a / |a|^2.
 #include "problem/corner_smoothing.hpp"
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
+#include "base/interrupt.hpp"
+#include "base/parallel.hpp"
 #include "base/small_matrix.hpp"
-#include "base/text.hpp"
 #include "check/scaled_jacobian.hpp"
 #include "constraint/sliding_nodes.hpp"
 #include "geometry/patch.hpp"
 #include "mesh/restriction.hpp"
-#include "method/local_functional.hpp"
-#include "method/newton.hpp"
+#include "method/lbfgs.hpp"
 
 namespace almesh {
 namespace {
 
-constexpr int first_power = 8, last_power = 64, steps_of_power = 8;
-constexpr double worthwhile = 0.002;  // part of the energy that a step has to gain for another one
-constexpr double quadratic_part = 0.03;
-constexpr double margin = 0.15;      // s < s_0 + margin (1 - s_0) is bad
-constexpr double stabilising = 1e-3, least_stiffness = 1e-6;  // fractions of the own and of the largest stiffness
+constexpr double first_k = 10, last_k = 320;
+constexpr int steps_of_stage = 100;
+constexpr double weight_of_others = 0.0015, last_k_of_weight = 40;  // w; beyond, it falls as 1 / k
+constexpr double part_of_shape = 0.3;                              // a
+constexpr double negligible = -40;                                 // exponent
+constexpr double free_part = 0.8, stiffness = 20;                  // of the bound for sizes
+constexpr int most_vertices = 8;
 
-// E_p of the corners of elements with a node that moves, as a function of the positions of these nodes.
-class CornerFunctional : public Functional {
+// The determinant and the edges at a corner, in 2D with a third edge of (0, 0, 1).
+struct CornerEdges {
+    std::array<Vec<3>, 3> edge{{{}, {}, {0, 0, 1}}};
+    Vec<3> square{1, 1, 1};  // of their lengths
+    double determinant;
+
+    CornerEdges(const Corner& corner, const std::array<Vec<3>, most_vertices>& vertex, int dim) {
+        for (int j = 0; j < dim; ++j) {
+            edge[j] = vertex[corner.vertex[j + 1]] - vertex[corner.vertex[0]];
+            square[j] = dot(edge[j], edge[j]);
+        }
+        determinant = dot(edge[0], normal(0));
+    }
+    Vec<3> normal(int j) const { return cross(edge[(j + 1) % 3], edge[(j + 2) % 3]); }  // the slope of the determinant
+};
+
+std::array<Vec<3>, most_vertices> vertices_of(const Mesh& mesh, const std::vector<double>& x, int e) {
+    std::array<Vec<3>, most_vertices> vertex;
+    for (int v = 0; v < mesh.cell(e).vertices; ++v) vertex[v] = at_node(x, mesh.element(e)[v], mesh.dim);
+    return vertex;
+}
+
+class CornerFunction : public SmoothFunction {
 public:
-    CornerFunctional(const Mesh& mesh, const std::vector<char>& moving, double least, int p, DistortionEnergy& energy,
-                     const std::vector<double>& x)
-        : Functional(energy), least_(least), p_(p), dim_(mesh.dim), around_(restriction_to(moving, mesh)),
-          at_(at_nodes(around_.node, x, dim_)) {
-        for (std::size_t e = 0; e < around_.element.size(); ++e)
-            for (const Corner& of : corners_of(mesh.cell(around_.element[e]))) {
-                Place corner{{}, of.regular};
-                for (int k = 0; k <= dim_; ++k) corner.node[k] = around_.elements[e * (dim_ + 1) + of.vertex[k]];
-                corners_.push_back(corner);
-            }
+    CornerFunction(const MovingNodes& moving, const std::vector<double>& x)
+        : moving_(moving), mesh_(moving.mesh), dim_(mesh_.dim), from_(x), x_(x), best_(x),
+          first_size_(moving.size_change > 0 ? element_sizes(mesh_, x) : std::vector<double>()) {
+        find_elements();
+        scale_by_edges();
+        find_sliding();
     }
 
-    std::vector<double> read(const std::vector<double>& x) const { return around_.read(x, dim_); }
-    void write(const std::vector<double>& y, std::vector<double>& x) const { around_.write(y, dim_, x); }
+    std::function<void(int step)> observe;
 
-    BlockCsr hessian_pattern() const {
-        std::vector<int> cells;  // in place of a node that does not move one that does: those are the first
-        for (const Place& corner : corners_) {
-            const int moving = *std::min_element(corner.node.begin(), corner.node.begin() + dim_ + 1);
-            for (int k = 0; k <= dim_; ++k) cells.push_back(moves(corner.node[k]) ? corner.node[k] : moving);
-        }
-        return matrix_of_cells(around_.moving, dim_, cells, dim_ + 1);
+    int steps() const { return steps_; }
+    int elements() const { return static_cast<int>(element_.size()); }
+    double least() const { return least_; }
+    // Of all iterates since begin(): the positions with the largest least s, and that.
+    const std::vector<double>& best() const { return best_; }
+    double best_least() const { return best_least_; }
+
+    // A stage, from the mesh at z on. Whether all is valid there.
+    bool begin(double k, const std::vector<double>& z, std::vector<double>& g) {
+        k_ = k;
+        weight_ = weight_of_others * std::min(1.0, last_k_of_weight / k);
+        of_others_ = 0;
+        const bool is_valid = std::isfinite(value(z, g));
+        of_others_ = sum_of_others_;
+        reference_ = best_least_ = least_;
+        best_ = x_;
+        return is_valid;
     }
 
-    double energy(const std::vector<double>& y) const override {
-        std::copy(y.begin(), y.end(), at_.begin());
-        double sum = 0;
-        for (const Place& corner : corners_) {
-            const double s = at(corner, nullptr);
-            if (!(s > 0)) return std::numeric_limits<double>::infinity();
-            sum += terms(s, 0);
+    double value(const std::vector<double>& z, std::vector<double>& g) override {
+        to_positions(z);
+        constexpr double work = 500;
+        parallel_for(elements(), [&](int k) { measure(k); }, work);
+        least_ = 1;
+        double sum = -of_others_;
+        sum_of_others_ = 0;
+        for (const Terms& of : terms_) {
+            least_ = std::min(least_, of.least);
+            sum += of.worst + of.others;
+            sum_of_others_ += of.others;
         }
+        if (!std::isfinite(sum)) return std::numeric_limits<double>::infinity();
+        parallel_for(mesh_.nodes(), [&](int i) { gather(i, point(g, i, dim_)); }, work / 10);
+        moving_.pairs.fold(g);
+        for (SlidingNode& node : sliding_) project(node, g);
+        for (int i = 0; i < mesh_.nodes(); ++i)
+            for (int a = 0; a < dim_; ++a) point(g, i, dim_)[a] *= moving_.moves[i] ? edge_[i] : 0;
         return sum;
     }
 
-    void gradient(const std::vector<double>& y, std::vector<double>& g) const override {
-        std::copy(y.begin(), y.end(), at_.begin());
-        std::fill(g.begin(), g.end(), 0.0);
-        Slopes slopes;
-        for (const Place& corner : corners_) {
-            const double weight = -terms(at(corner, &slopes), 1);
-            for (int k = 0; k <= dim_; ++k)
-                for (int a = 0; a < dim_ && moves(corner.node[k]); ++a)
-                    g[offset(corner.node[k], dim_, a)] += weight * slopes[k][a];
+    void retract(std::vector<double>& z) const override {
+        constexpr int corrections = 3;
+        moving_.pairs.spread(z);
+        for (const SlidingNode& node : sliding_) {
+            if (!node.is_curved) continue;
+            const Vec<3> from = at_node(from_, node.i, dim_);
+            Vec<3> x = from + edge_[node.i] * at_node(z, node.i, dim_);
+            for (int k = 0; k < corrections; ++k) x = x - moving_.surfaces.distance(node.t, x).r;
+            set_node(z, node.i, dim_, 1 / edge_[node.i] * (x - from));
         }
     }
 
-    void hessian(const std::vector<double>& y, HessianKind, BlockCsr& H, const Projection&) const override {
-        std::copy(y.begin(), y.end(), at_.begin());
-        std::fill(H.value.begin(), H.value.end(), 0.0);
-        Slopes slopes;
-        for (const Place& corner : corners_) {
-            const double weight = terms(at(corner, &slopes), 2);
-            for (int k = 0; k <= dim_; ++k)
-                for (int l = 0; l <= dim_ && moves(corner.node[k]); ++l) {
-                    if (!moves(corner.node[l])) continue;
-                    double* const block = H.block(H.find(corner.node[k], corner.node[l]));
-                    for (int a = 0; a < dim_; ++a)
-                        for (int b = 0; b < dim_; ++b) block[a * dim_ + b] += weight * slopes[k][a] * slopes[l][b];
-                }
-        }
-        stabilise(H);
+    bool accept(const std::vector<double>&) override {
+        observe(++steps_);
+        if (least_ <= best_least_) return true;
+        best_least_ = least_;
+        best_ = x_;
+        return true;
     }
 
-    double distortion_energy(const std::vector<double>&, double energy) const override { return energy; }
-    double valid_fraction(const std::vector<double>&, const std::vector<double>&) const override { return 1; }
-    std::unique_ptr<LocalFunctional> part(const std::vector<double>&, std::vector<char>) const override { return {}; }
+    // Nodes that slide, exactly onto their surfaces.
+    void put_back(std::vector<double>& x) const {
+        if (sliding_.empty()) return;
+        const std::vector<double> to = moving_.surfaces.targets(x);
+        for (const SlidingNode& node : sliding_) std::copy_n(point(to, node.t, dim_), dim_, point(x, node.i, dim_));
+    }
 
 private:
-    struct Place {
-        std::array<int, 4> node;
-        double regular;  // that of a regular cell
+    struct Terms {
+        double least = 1, worst = 0, others = 0;
     };
-    using Slopes = std::array<Vec<3>, 4>;  // of log s, with respect to the nodes
 
-    double least_;
-    int p_, dim_;
-    Restriction around_;
-    mutable std::vector<double> at_;  // of its nodes
-    std::vector<Place> corners_;
+    struct SlidingNode {
+        int t, i;  // of surfaces.nodes(), of the mesh
+        bool is_curved;
+        std::vector<Vec<3>> normals;
+    };
 
-    bool moves(int node) const { return node < around_.moving; }
+    const MovingNodes& moving_;
+    const Mesh& mesh_;
+    int dim_, steps_ = 0;
+    double k_ = first_k, weight_ = 0, reference_ = 0, least_ = 1, best_least_ = 1, of_others_ = 0, sum_of_others_ = 0;
+    std::vector<double> from_;       // positions at z = 0
+    std::vector<double> x_;          // and at z
+    std::vector<double> best_, first_size_;
+    std::vector<double> edge_;                  // per node: the mean of the edges there
+    std::vector<SlidingNode> sliding_;
+    std::vector<int> element_;                  // with a node that moves
+    std::vector<std::vector<Corner>> corners_;  // by group of elements
+    std::vector<int> first_, place_;            // per node, its vertices: 8 k + v, v of element_[k]
+    std::vector<Terms> terms_;                  // of these elements
+    std::vector<Vec<3>> slopes_;                // at 8 k + v
 
-    // What a corner adds to E_p, or its derivative of this order with respect to -log s.
-    double terms(double s, int order) const {
-        const double square = (least_ / s) * (least_ / s);
-        double power = square;
-        for (int p = 2; p < p_; p *= 2) power *= power;
-        double of_square = quadratic_part * square;
-        for (int k = 0; k < order; ++k) power *= p_, of_square *= 2;
-        return power + of_square;
-    }
-
-    double at(const Place& corner, Slopes* slopes) const {
-        std::array<Vec<3>, 3> edge{{{}, {}, {0, 0, 1}}};
-        double lengths = 1;
-        for (int k = 0; k < dim_; ++k) {
-            edge[k] = at_node(at_, corner.node[k + 1], dim_) - at_node(at_, corner.node[0], dim_);
-            lengths *= length(edge[k]);
-        }
-        const double det = dot(edge[0], cross(edge[1], edge[2]));
-        for (int k = 0; k < dim_ && slopes; ++k) {
-            (*slopes)[k + 1] = 1 / det * cross(edge[(k + 1) % 3], edge[(k + 2) % 3]) -
-                               1 / dot(edge[k], edge[k]) * edge[k];
-            (*slopes)[0] = (k > 0 ? (*slopes)[0] : Vec<3>{}) - (*slopes)[k + 1];
-        }
-        return lengths > 0 ? det / (lengths * corner.regular) : 0;
-    }
-
-    // A node on which no bad corner hangs has no stiffness.
-    void stabilise(BlockCsr& H) const {
-        double largest = 0;
-        const auto each = [&](const auto& body) {
-            for (int i = 0; i < H.n; ++i)
-                for (int a = 0; a < dim_; ++a) body(H.block(H.find(i, i))[a * dim_ + a]);
+    void find_elements() {
+        for (const ElementGroup& group : mesh_.element_groups()) corners_.push_back(corners_of(*group.cell));
+        element_ = restriction_to(moving_.moves, mesh_).element;
+        first_.assign(mesh_.nodes() + 1, 0);
+        const auto for_vertices = [&](const auto& body) {
+            for (int k = 0; k < elements(); ++k)
+                for (int v = 0; v < mesh_.cell(element_[k]).vertices; ++v)
+                    body(mesh_.element(element_[k])[v], k * most_vertices + v);
         };
-        each([&](double& h) { largest = std::max(largest, h); });
-        each([&](double& h) { h += stabilising * h + least_stiffness * largest; });
+        for_vertices([&](int i, int) { ++first_[i + 1]; });
+        for (int i = 0; i < mesh_.nodes(); ++i) first_[i + 1] += first_[i];
+        place_.resize(first_.back());
+        std::vector<int> next(first_.begin(), first_.end() - 1);
+        for_vertices([&](int i, int place) { place_[next[i]++] = place; });
+        terms_.resize(element_.size());
+        slopes_.resize(element_.size() * most_vertices);
+    }
+
+    void scale_by_edges() {
+        std::vector<double> logs(mesh_.nodes(), 0), count(mesh_.nodes(), 0);
+        for (const int e : element_)
+            for (const auto& [i, j] : mesh_.cell(e).edges) {
+                const int a = mesh_.element(e)[i], b = mesh_.element(e)[j];
+                const double log = std::log(length(at_node(from_, a, dim_) - at_node(from_, b, dim_)));
+                for (const int node : {a, b})
+                    if (std::isfinite(log)) logs[node] += log, ++count[node];
+            }
+        for (int i = 0; i < mesh_.nodes(); ++i) edge_.push_back(count[i] > 0 ? std::exp(logs[i] / count[i]) : 1);
+        for (const PeriodicPairs::Pair& pair : moving_.pairs.pairs) edge_[pair.slave] = edge_[pair.master];
+    }
+
+    void to_positions(const std::vector<double>& z) {
+        for (int i = 0; i < mesh_.nodes(); ++i)
+            for (int a = 0; a < dim_; ++a)
+                point(x_, i, dim_)[a] = point(from_, i, dim_)[a] + edge_[i] * point(z, i, dim_)[a];
+    }
+
+    void find_sliding() {
+        const std::vector<int>& nodes = moving_.surfaces.nodes();
+        for (int t = 0; t < static_cast<int>(nodes.size()); ++t) {
+            if (!moving_.moves[nodes[t]]) continue;
+            sliding_.push_back({t, nodes[t], false, {}});
+            const Vec<3> at = at_node(from_, nodes[t], dim_);
+            find_normals(sliding_.back(), at);
+            for (const Vec<3>& force : {Vec<3>{1, 0, 0}, Vec<3>{0, 1, 0}, Vec<3>{0, 0, 1}})
+                for (const Vec<3>& row : moving_.surfaces.second_derivative_at(t, at, force))
+                    sliding_.back().is_curved |= dot(row, row) > 0;
+        }
+    }
+
+    // The columns of the residual's derivative, made orthonormal.
+    void find_normals(SlidingNode& node, const Vec<3>& x) const {
+        const Mat<3> slope = moving_.surfaces.distance(node.t, x).slope;
+        node.normals.clear();
+        for (int a = 0; a < dim_; ++a) {
+            Vec<3> n{slope[0][a], slope[1][a], slope[2][a]};
+            for (const Vec<3>& other : node.normals) n = n - dot(n, other) * other;
+            if (length(n) > 1e-3) node.normals.push_back(unit(n));
+        }
+    }
+
+    // g onto the directions in which the node slides.
+    void project(SlidingNode& node, std::vector<double>& g) const {
+        if (node.is_curved) find_normals(node, at_node(x_, node.i, dim_));
+        Vec<3> along = at_node(g, node.i, dim_);
+        for (const Vec<3>& n : node.normals) along = along - dot(along, n) * n;
+        set_node(g, node.i, dim_, along);
+    }
+
+    // What an element adds, and the derivatives by its vertices.
+    void measure(int k) {
+        const int e = element_[k];
+        const int* const nodes = mesh_.element(e);
+        const std::array<Vec<3>, most_vertices> vertex = vertices_of(mesh_, x_, e);
+        Vec<3>* const slopes = &slopes_[static_cast<std::size_t>(k) * most_vertices];
+        std::fill_n(slopes, most_vertices, Vec<3>{});
+        Terms& of = terms_[k] = {};
+        for (const Corner& corner : corners_[mesh_.group_number(e)]) {
+            bool moves = false;
+            for (int j = 0; j <= dim_; ++j) moves = moves || moving_.moves[nodes[corner.vertex[j]]];
+            if (moves) add_corner(corner, vertex, of, slopes);
+        }
+        if (!first_size_.empty()) add_size(k, vertex, of, slopes);
+    }
+
+    void add_corner(const Corner& corner, const std::array<Vec<3>, most_vertices>& vertex, Terms& of,
+                    Vec<3>* slopes) const {
+        const CornerEdges at(corner, vertex, dim_);
+        const double det = at.determinant / corner.regular;
+        if (!(det > 0)) {
+            of.worst = std::numeric_limits<double>::infinity();
+            of.least = std::min(of.least, 0.0);
+            return;
+        }
+        const double sum = at.square[0] + at.square[1] + (dim_ == 3 ? at.square[2] : 0);
+        const double s = det / std::sqrt(at.square[0] * at.square[1] * at.square[2]);
+        const double eta = sum / (dim_ * (dim_ == 2 ? det : std::cbrt(det * det)));
+        const double exponent = -k_ * (s - reference_), power = exponent < negligible ? 0 : std::exp(exponent);
+        of.least = std::min(of.least, s);
+        of.worst += power / k_;
+        of.others += 0.5 * weight_ * ((1 - s) * (1 - s) + part_of_shape * (eta - 1) * (eta - 1));
+        const double by_s = -power - weight_ * (1 - s), by_eta = weight_ * part_of_shape * (eta - 1);
+        const double by_det = (s * by_s - 2.0 / dim_ * eta * by_eta) / at.determinant, by_sum = by_eta * eta / sum;
+        for (int j = 0; j < dim_; ++j)
+            add(corner, j, by_det * at.normal(j) + (2 * by_sum - by_s * s / at.square[j]) * at.edge[j], slopes);
+    }
+
+    static void add(const Corner& corner, int j, const Vec<3>& by_edge, Vec<3>* slopes) {
+        slopes[corner.vertex[j + 1]] = slopes[corner.vertex[j + 1]] + by_edge;
+        slopes[corner.vertex[0]] = slopes[corner.vertex[0]] - by_edge;
+    }
+
+    // stiffness/2 h^2, h = |log(size / first size)| / log(1 + size_change) beyond the part that is free.
+    void add_size(int k, const std::array<Vec<3>, most_vertices>& vertex, Terms& of, Vec<3>* slopes) {
+        const std::vector<Corner>& corners = corners_[mesh_.group_number(element_[k])];
+        const double count = static_cast<double>(corners.size()), bound = std::log1p(moving_.size_change);
+        double size = 0;
+        for (const Corner& corner : corners)
+            size += CornerEdges(corner, vertex, dim_).determinant / corner.regular / count;
+        const double change = size > 0 ? std::log(size / first_size_[element_[k]]) / bound
+                                       : -std::numeric_limits<double>::infinity();
+        const double beyond = std::max(0.0, std::abs(change) - free_part);
+        of.worst += 0.5 * stiffness * beyond * beyond;
+        if (beyond == 0 || !std::isfinite(of.worst)) return;
+        const double slope = stiffness * beyond * (change > 0 ? 1 : -1) / (bound * size);
+        for (const Corner& corner : corners)
+            for (int j = 0; j < dim_; ++j)
+                add(corner, j, slope / corner.regular / count * CornerEdges(corner, vertex, dim_).normal(j), slopes);
+    }
+
+    void gather(int i, double* g) const {
+        Vec<3> sum{};
+        for (int k = first_[i]; k < first_[i + 1]; ++k) sum = sum + slopes_[place_[k]];
+        std::copy_n(sum.begin(), dim_, g);
     }
 };
-
-// Of the elements with a free node: the least s, and the free nodes of the bad ones.
-struct Worst {
-    double least = 1;
-    std::vector<char> moves;
-
-    bool any() const { return std::find(moves.begin(), moves.end(), 1) != moves.end(); }
-};
-
-Worst worst_corners(const Mesh& mesh, const std::vector<char>& fixed, const std::vector<double>& x) {
-    const std::vector<double> s = corner_jacobians(mesh, x);
-    Worst worst{.moves = std::vector<char>(mesh.nodes(), 0)};
-    const auto for_free = [&](int e, const auto& body) {
-        for (int k = 0; k < mesh.element_nodes(e); ++k)
-            if (!fixed[mesh.element(e)[k]]) body(mesh.element(e)[k]);
-    };
-    for (int e = 0; e < mesh.element_count(); ++e)
-        for_free(e, [&](int) { worst.least = std::min(worst.least, s[e]); });
-    for (int e = 0; e < mesh.element_count(); ++e)
-        if (s[e] < worst.least + margin * (1 - worst.least))
-            for_free(e, [&](int i) { worst.moves[i] = 1; });
-    return worst;
-}
 
 }  // namespace
 
-CornerSmoothing smooth_corners(const Mesh& mesh, const std::vector<char>& fixed, DistortionEnergy& energy,
-                               const LinearSolverParams& linear, std::vector<double>& x) {
-    Worst worst = worst_corners(mesh, fixed, x);
-    CornerSmoothing result{worst.least, worst.least};
-    std::vector<double> at = x;
-    for (int p = first_power; p <= last_power && worst.any() && worst.least > 0; p *= 2) {
-        CornerFunctional E(mesh, worst.moves, worst.least, p, energy, at);
-        Newton newton(E.hessian_pattern(), linear, NewtonPolicies::of_few_nodes());
-        std::vector<double> y = E.read(at);
-        NewtonParams params{.omega = 0, .max_iterations = steps_of_power, .least_gain = worthwhile * E.energy(y)};
-        result.newton_steps += newton.minimise(E, params, y).iterations;
-        E.write(y, at);
-        worst = worst_corners(mesh, fixed, at);
-        if (worst.least <= result.after) continue;
-        result.after = worst.least;
-        x = at;
+std::vector<double> element_sizes(const Mesh& mesh, const std::vector<double>& x) {
+    std::vector<double> sizes(mesh.element_count(), 0);
+    for (const ElementGroup& group : mesh.element_groups()) {
+        const std::vector<Corner> corners = corners_of(*group.cell);
+        parallel_for(group.count, [&](int k) {
+            const std::array<Vec<3>, most_vertices> vertex = vertices_of(mesh, x, group.first + k);
+            for (const Corner& corner : corners)
+                sizes[group.first + k] += CornerEdges(corner, vertex, mesh.dim).determinant /
+                                          corner.regular / static_cast<double>(corners.size());
+        });
     }
-    return result;
+    return sizes;
 }
 
-Solution best_of_powers(const ProblemOptions& options, const Problem& problem, const Solve& solve, std::FILE* out) {
-    constexpr int lower_power = 8;
-    if (options.distortion.objective != Objective::minimax || options.power) return solve(options, problem);
-    const auto least = [&](const Solution& solution) {
-        const double certified = certify(problem.mesh(), solution.x).min_scaled_jacobian;
-        return std::min(certified, least_corner_jacobian(problem.mesh(), solution.x));
-    };
-    ProblemOptions with_lower = options;
-    with_lower.power = lower_power;
-    Solution lower = solve(with_lower, problem);
-    if (lower.al.status == Status::interrupted) return lower;
-    Solution full = solve(options, problem);
-    if (lower.al.status != Status::converged || full.al.status == Status::interrupted) return full;
-    const double of_lower = least(lower), of_full = least(full);
-    std::fprintf(out, "least scaled Jacobian: %s with power = %d, %s with all powers\n",
-                 rounded_down(of_lower, 4).c_str(), lower_power, rounded_down(of_full, 4).c_str());
-    return full.al.status != Status::converged || of_lower > of_full ? lower : full;
+int smooth_corners(const MovingNodes& moving,
+                   const std::function<bool(const std::vector<double>& from, std::vector<double>& to)>& taken,
+                   std::vector<double>& x) {
+    CornerFunction E(moving, x);
+    if (E.elements() == 0) return 0;
+    std::vector<double> z(x.size(), 0.0), g(x.size());
+    double reached = -1;
+    int most = 0;
+    for (double k = first_k; k <= last_k; k *= 2) most += steps_of_stage;
+    E.observe = [&](int step) { if (moving.observe) moving.observe(step, most); };
+    for (double k = first_k; k <= last_k && !interrupted(); k *= 2) {
+        if (!E.begin(k, z, g)) break;
+        if (k == first_k) reached = E.least();
+        minimise(E, {.max_iterations = steps_of_stage}, z);
+        if (E.best_least() <= reached) continue;
+        std::vector<double> to = E.best();
+        E.put_back(to);
+        if (!taken(x, to)) continue;
+        reached = E.best_least();
+        x = std::move(to);
+    }
+    return E.steps();
 }
 
 }  // namespace almesh

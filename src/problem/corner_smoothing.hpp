@@ -1,38 +1,43 @@
-// What raises the least scaled Jacobian of a mesh beyond where the least distortion has it: users look at that.
+// The least scaled Jacobian of a mesh (check/scaled_jacobian.hpp) made as large as the nodes that move can make it.
 //
-// At the corners of simplices (check/scaled_jacobian.hpp), with s there and s_0 the least of them,
+// With s at the corners of all elements with such a node, and s_0 the least of them where a stage begins,
 //
-//     E_p(x) = sum (s_0 / s)^p + 0.03 (s_0 / s)^2,   p = 8, 16, 32, 64,
+//     E_k(x) = sum 1/k exp(-k (s - s_0)) + w/2 ((1 - s)^2 + a (eta - 1)^2),   k = 10, 20, ..., 320,
 //
-// nearly counts the worst corners, and its minimum is near the largest s_0; the square keeps the others good. (Freitag
-// and Ollivier-Gooch, Int. J. Numer. Meth. Eng. 40, 1997, raise the worst corner around one node at a time.) The free
-// nodes of elements with s < s_0 + 0.15 (1 - s_0) move, all at once, by Newton's method with the Hessian of
-// exp(-p log s) without that of log s.
+// is governed by many corners for small k and by the worst ones for large k; the squares, with a small w, keep the
+// others good, and edges of similar lengths: eta is the distortion (paper, Eq. 1) of the map from the regular corner. (Freitag and Ollivier-Gooch, Int. J. Numer. Meth. Eng. 40, 1997, raise the worst corner around one node
+// at a time.) Each stage goes on from the one before, by L-BFGS (method/lbfgs.hpp) in units of the edges at each node.
+// Nodes that slide move along the tangents of their surfaces and are put back onto them.
 //
-// The best worst distortion, objective = minimax, is not always where the least scaled Jacobian is largest. In
-// tetrahedra it mostly is so at a lower power of the p-norm continuation: two are tried, where the deck gives none.
+// Where sizes are meant, as in layers at a wall, that of each element (the mean determinant at its corners) is to stay
+// within a factor 1 + size_change: from four fifths of its logarithm on, it adds to E_k.
 #pragma once
-#include <cstdio>
+#include <functional>
 #include <vector>
 
-#include "energy/distortion_energy.hpp"
-#include "linalg/linear_solver.hpp"
-#include "problem/problem.hpp"
-#include "problem/solution.hpp"
+#include "constraint/constraint.hpp"
+#include "mesh/mesh.hpp"
+#include "mesh/periodic.hpp"
 
 namespace almesh {
 
-struct CornerSmoothing {
-    double before, after;  // the least of elements with a free node
-    int newton_steps = 0;
+struct MovingNodes {
+    const Mesh& mesh;               // of degree 1
+    const std::vector<char>& moves;  // per node
+    Constraint& surfaces;            // of nodes that move, those that it holds slide
+    const PeriodicPairs& pairs;
+    double size_change = 0;          // 0: sizes are free
+    std::function<void(int step, int most)> observe;  // after each step
 };
 
-// x: node_count x dim, a valid mesh of simplices of degree 1; becomes better, or stays. fixed: per node, the others are
-// free. energy: of the mesh, for what Newton's method counts.
-CornerSmoothing smooth_corners(const Mesh& mesh, const std::vector<char>& fixed, DistortionEnergy& energy,
-                               const LinearSolverParams& linear, std::vector<double>& x);
+// Per element: the mean determinant at its corners, that of the regular cell's with the same edges 1. x: node_count x
+// dim.
+std::vector<double> element_sizes(const Mesh& mesh, const std::vector<double>& x);
 
-// Of the solutions with the two powers the one with the larger least scaled Jacobian.
-Solution best_of_powers(const ProblemOptions& options, const Problem& problem, const Solve& solve, std::FILE* out);
+// x: node_count x dim, a valid mesh that satisfies the constraint. After each stage that has a larger least s at corners
+// with a node that moves, it becomes that mesh, as `taken` leaves it, if that returns true. Returns the number of steps.
+int smooth_corners(const MovingNodes& moving,
+                   const std::function<bool(const std::vector<double>& from, std::vector<double>& to)>& taken,
+                   std::vector<double>& x);
 
 }  // namespace almesh

@@ -1,21 +1,22 @@
 #include "problem/improve.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "problem/base_mesh.hpp"
 #include "problem/corner_smoothing.hpp"
 #include "problem/curving.hpp"
+#include "problem/improvement_guard.hpp"
 #include "problem/kept_surface.hpp"
 #include "problem/untangling.hpp"
 #include "base/error.hpp"
 #include "base/interrupt.hpp"
+#include "base/stopwatch.hpp"
 #include "base/table.hpp"
 #include "check/infeasible.hpp"
 #include "check/scaled_jacobian.hpp"
 #include "check/target_check.hpp"
-#include "geometry/patch.hpp"
+#include "constraint/sliding_nodes.hpp"
 #include "mesh/local_size.hpp"
 #include "mesh/part.hpp"
 
@@ -23,22 +24,6 @@ namespace almesh {
 namespace {
 
 bool is_feasible(const Problem& problem, int e) { return problem.infeasible.empty() || problem.infeasible[e].empty(); }
-
-// Least values over the feasible elements, which must not fall: at the corners, and of the certified bound.
-struct LeastJacobian {
-    double corner = std::numeric_limits<double>::infinity(), certified = corner;
-    bool is_below(const LeastJacobian& other) const { return corner < other.corner || certified < other.certified; }
-};
-
-LeastJacobian least_jacobian(const Problem& problem, const std::vector<double>& x) {
-    const std::vector<double> corner = corner_jacobians(problem.mesh(), x),
-                              certified = certify(problem.mesh(), x).lower_bound;
-    LeastJacobian least;
-    for (int e = 0; e < problem.mesh().element_count(); ++e)
-        if (is_feasible(problem, e))
-            least = {std::min(least.corner, corner[e]), std::min(least.certified, certified[e])};
-    return least;
-}
 
 // Feasible elements that are not valid.
 std::vector<int> invalid_elements(const Problem& problem, const std::vector<double>& x) {
@@ -126,57 +111,6 @@ void untangle(const ProblemOptions& options, Problem& problem, const std::vector
           " in ", counted(all.regions, "region"), "\n");
 }
 
-Solution improved(const ProblemOptions& options, Problem& problem, const Solve& solve, int& newton_steps,
-                  std::FILE* out) {
-    const Mesh& mesh = problem.mesh();
-    // A resumed run repeats these steps; only its first solution starts from the mesh so far.
-    const std::vector<double> so_far = problem.standing ? std::exchange(problem.start, {}) : std::vector<double>();
-    std::vector<double> x = problem.start.empty() ? mesh.x : problem.start;
-    const bool was_certified = invalid_elements(problem, x).empty();
-    if (!was_certified || !may_stay(options, problem)) find_infeasible_elements(options, problem, x, out);
-    const std::vector<int> invalid = invalid_elements(problem, x);
-    const bool was_valid = invalid.empty();
-    if (!was_valid) untangle(options, problem, invalid, x, newton_steps, out);
-    if (std::find(problem.infeasible.begin(), problem.infeasible.end(), "") == problem.infeasible.end() &&
-        !problem.infeasible.empty())
-        return ended_at(problem, std::move(x), Status::inverted);
-    if (!was_certified) {
-        const std::size_t told = problem.notes.size();
-        take_along_target(problem, problem.start.empty() ? mesh.x : problem.start, x);
-        hold_curved_faces(options, problem, x);
-        for (std::size_t k = told; k < problem.notes.size(); ++k) print(out, "note: ", problem.notes[k], "\n");
-        if (options.ideal != IdealKind::mesh) problem.level->ideal = x;  // the measure of faces and heights
-    }
-    problem.start = so_far.empty() ? x : so_far;
-    const LeastJacobian before = least_jacobian(problem, x);
-    const auto is_worse = [&](const Solution& solution) {
-        return was_valid && may_stay(options, problem) && least_jacobian(problem, solution.x).is_below(before);
-    };
-    const auto fails = [&](const Solution& solution) {
-        return may_stay(options, problem) && !interrupted() &&
-               !(solution.al.status == Status::converged && is_certified(problem, solution.x));
-    };
-    Solution solution = solve(options, problem);
-    problem.start = x;
-    if (is_worse(solution) && options.distortion.objective != Objective::minimax && !interrupted()) {
-        print(out, "note: an element is worse than the worst of the file: again with objective = minimax\n");
-        ProblemOptions other = options;
-        other.distortion.objective = Objective::minimax;
-        solution = solve(other, problem);
-    }
-    if (problem.sliding && fails(solution) && is_certified(problem, x)) {
-        print(out, "note: no valid mesh was found with nodes that slide: the boundary stays as it is\n");
-        fix_boundary(problem, x);
-        solution = solve(options, problem);
-    }
-    if (is_worse(solution) || (fails(solution) && is_certified(problem, x))) {
-        print(out, "note: no better mesh was found: the ", was_valid ? "" : "untangled ", "mesh stays as it is\n");
-        set_functional(options, problem);
-        solution = ended_at(problem, std::move(x), Status::converged);
-    }
-    return solution;
-}
-
 // Measures the last row for all elements, infeasible ones included.
 void count_infeasible(const ProblemOptions& options, Problem& problem, Solution& solution) {
     if (problem.infeasible.empty()) return;
@@ -203,39 +137,179 @@ ProblemOptions with_boundary_set(const ProblemOptions& options, const Problem& p
     return set;
 }
 
-// For linear simplices, if the file's mesh may stay and no power is asked for.
-void raise_worst_corners(const ProblemOptions& options, const Problem& problem, Solution& solution, int& newton_steps,
-                         std::FILE* out) {
-    const Mesh& mesh = problem.mesh();
-    const auto& groups = mesh.element_groups();
-    const auto is_simplex = [](const ElementGroup& group) { return group.cell->is_simplex(); };
-    if (!may_stay(options, problem) || mesh.degree > 1 || !std::all_of(groups.begin(), groups.end(), is_simplex) ||
-        solution.al.status != Status::converged || options.power)
-        return;
-    const Level& level = *problem.level;
-    std::vector<char> fixed = level.on_boundary();
-    for (int e = 0; e < mesh.element_count(); ++e)
-        for (int k = 0; k < mesh.element_nodes(e) && !is_feasible(problem, e); ++k) fixed[mesh.element(e)[k]] = 1;
-    const CornerSmoothing found = smooth_corners(mesh, fixed, *level.energy, options.linear, solution.x);
-    newton_steps += found.newton_steps;
-    if (found.after == found.before) return;
-    measure(*level.energy, *level.constraint, solution.x, solution.al.distortion, solution.al.iterations.back());
-    print(out, "worst corner inside: scaled Jacobian raised from ", rounded_down(found.before, 4), " to ",
-          rounded_down(found.after, 4), " in ", counted(found.newton_steps, "Newton step"), "\n");
-}
+// One mesh, made valid and then better.
+class Improvement {
+public:
+    Improvement(const ProblemSetup& setup, Problem& problem, const Solve& solve, MeshSoFar& so_far, int& newton_steps,
+                std::FILE* out)
+        : setup_(setup), problem_(problem), solve_(solve), so_far_(so_far), newton_steps_(newton_steps), out_(out) {}
 
-// A curved mesh made better by its vertices alone: the mesh with straight sides on them is improved, and what lies
-// between vertices is as far from the straight sides as before. Straight elements stay straight, so that what is
-// certified of them is not lowered; curved faces stay, as their vertices do. Returns where it takes the nodes, in the
-// problem's frame; nothing where the mesh with straight sides cannot be improved, or faces would leave the surface.
-std::vector<double> moved_vertices(const ProblemSetup& setup, const Problem& problem,
-                                   const std::function<Solution(const ProblemSetup&, Problem&)>& improve_straight) try {
+    Solution run() {
+        const Mesh& mesh = problem_.mesh();
+        std::vector<double> x = problem_.start.empty() ? mesh.x : problem_.start;
+        if (!make_valid(x)) return ended_at(problem_, std::move(x), Status::inverted);
+        problem_.start = x;
+        const bool stays = may_stay(setup_, problem_);
+        const bool minimises = !stays || setup_.needs_objective || mesh.degree > 1;
+        Solution solution = at(x);
+        if (setup_.stops_valid || interrupted()) return solution;
+        const ImprovementGuard guard(setup_, problem_, x);
+        if (stays) print(out_, guard.kind_text(), "\n");
+        if (minimises) solution = minimised(x, stays ? &guard : nullptr);
+        if (!stays || solution.al.status != Status::converged) return solution;
+        if (mesh.degree == 1 && (!setup_.needs_objective || setup_.distortion.objective == Objective::minimax))
+            raise_least_corner(guard, x, solution);
+        print(out_, guard.changes_text(solution.x), "\n");
+        return solution;
+    }
+
+    // The run as if it had ended at x.
+    Solution at(std::vector<double> x) {
+        set_functional(setup_, problem_);
+        const bool is_valid = problem_.infeasible.empty() || invalid_elements(problem_, x).empty();
+        return ended_at(problem_, std::move(x), is_valid ? Status::converged : Status::inverted);
+    }
+
+private:
+    const ProblemSetup& setup_;
+    Problem& problem_;
+    const Solve& solve_;
+    MeshSoFar& so_far_;
+    int& newton_steps_;
+    std::FILE* out_;
+
+    // Whether anything can be made better then.
+    bool make_valid(std::vector<double>& x) {
+        const std::vector<double> came = x;
+        const bool was_certified = invalid_elements(problem_, x).empty();
+        if (!was_certified || !may_stay(setup_, problem_)) find_infeasible_elements(setup_, problem_, x, out_);
+        if (const std::vector<int> invalid = invalid_elements(problem_, x); !invalid.empty())
+            untangle(setup_, problem_, invalid, x, newton_steps_, out_);
+        const auto& why = problem_.infeasible;
+        if (!why.empty() && std::find(why.begin(), why.end(), "") == why.end()) return false;
+        if (was_certified) return true;
+        const std::size_t told = problem_.notes.size();
+        take_along_target(problem_, came, x);
+        hold_curved_faces(setup_, problem_, x);
+        for (std::size_t k = told; k < problem_.notes.size(); ++k) print(out_, "note: ", problem_.notes[k], "\n");
+        if (setup_.ideal != IdealKind::mesh) problem_.level->ideal = x;  // the measure of faces and heights
+        return true;
+    }
+
+    // The distortion relative to the ideal elements minimised, from x on. guard: of a mesh that may also stay at x, where
+    // nodes that lose what is guarded stay; null for others.
+    Solution minimised(const std::vector<double>& x, const ImprovementGuard* guard) {
+        const auto minimise = [&] {
+            const ProblemOptions settings = with_boundary_set(setup_, problem_);
+            Solution found = solve_(settings, problem_);
+            for (int attempt = 0; found.al.status == Status::converged &&
+                                  hold_faces_off_surface(settings, problem_, found.x, attempt, out_); ++attempt)
+                found = solve_(settings, problem_);
+            return found;
+        };
+        const auto fails = [&](const Solution& solution) {
+            return guard && !interrupted() &&
+                   !(solution.al.status == Status::converged && is_certified(problem_, solution.x));
+        };
+        Solution solution = minimise();
+        if (problem_.sliding && fails(solution) && is_certified(problem_, x)) {
+            print(out_, "note: no valid mesh was found with nodes that slide: the boundary stays as it is\n");
+            fix_boundary(problem_, x);
+            solution = minimise();
+        }
+        if (!guard || interrupted() || solution.x == x) return solution;
+        std::vector<double> to = solution.x;
+        const bool is_taken = !fails(solution) && guard->take(x, to) && is_certified(problem_, to);
+        if (is_taken && to == solution.x) return solution;
+        print(out_, "note: ", is_taken ? "some nodes stay, where an element would become worse than the worst before\n"
+                                       : "no better mesh was found: the mesh stays as it is\n");
+        return at(is_taken ? std::move(to) : x);
+    }
+
+    void raise_least_corner(const ImprovementGuard& guard, const std::vector<double>& start, Solution& solution) {
+        const Mesh& mesh = problem_.mesh();
+        std::vector<double> x = solution.x;
+        const auto smooth = [&] {
+            const std::vector<char> moves = moving_nodes(guard, x);
+            const MovingNodes moving{mesh, moves, *problem_.level->constraint, problem_.level->pairs,
+                                     guard.size_change(), [this](int step, int most) { foresee(step, most); }};
+            const auto taken = [&](const std::vector<double>& from, std::vector<double>& to) {
+                if (!guard.take(from, to, ImprovementGuard::Surface::is_not_measured)) return false;
+                so_far_.keep(*problem_.level, to);
+                return true;
+            };
+            watch_ = Stopwatch();
+            const double before = least_corner_jacobian(mesh, x);
+            const std::vector<double> from = x;
+            const int steps = smooth_corners(moving, taken, x);
+            if (problem_.sliding && !guard.take(from, x)) x = from;
+            print(out_, "least scaled Jacobian raised from ", rounded_down(before, 4), " to ",
+                  rounded_down(least_corner_jacobian(mesh, x), 4), " in ", counted(steps, "L-BFGS step"), "\n");
+            return moves;
+        };
+        std::vector<char> moves = smooth();
+        if (problem_.sliding && !interrupted() && !is_certified(problem_, x) && is_certified(problem_, start)) {
+            print(out_, "note: no valid mesh was found with nodes that slide: the boundary stays as it is\n");
+            x = start;
+            fix_boundary(problem_, x);
+            set_functional(setup_, problem_);
+            moves = smooth();
+        }
+        if (x != solution.x) {
+            take_along_target(problem_, solution.x, x);
+            const Status status = solution.al.status;
+            solution = at(std::move(x));
+            if (interrupted()) so_far_.write(*problem_.level, solution.x);
+            else solution.al.status = status;
+        }
+        print(out_, guard.least_text(solution.x, moves), "\n");
+    }
+
+    // Those that the constraint does not hold, but for nodes of infeasible elements and of boundaries with layers.
+    std::vector<char> moving_nodes(const ImprovementGuard& guard, const std::vector<double>& x) const {
+        const Mesh& mesh = problem_.mesh();
+        std::vector<char> moves = guard.on_layers();
+        for (char& of : moves) of = !of;
+        const std::vector<int> held = held_directions(*problem_.level->constraint, x, mesh.dim);
+        for (const int i : problem_.level->constraint->nodes())
+            if (held.empty() || held[i] == mesh.dim) moves[i] = 0;
+        for (int e = 0; e < mesh.element_count(); ++e)
+            for (int k = 0; k < mesh.element_nodes(e) && !is_feasible(problem_, e); ++k) moves[mesh.element(e)[k]] = 0;
+        for (const PeriodicPairs::Pair& pair : problem_.level->pairs.pairs)
+            moves[pair.slave] = moves[pair.master] = moves[pair.slave] && moves[pair.master];
+        return moves;
+    }
+
+    Stopwatch watch_;
+    bool has_foreseen_ = false;
+
+    // Once, of what takes longer than a few seconds.
+    void foresee(int step, int most) {
+        constexpr double seconds_before = 1, worth_telling = 4;
+        const double seconds = watch_.seconds(), all = seconds / step * most;
+        if (has_foreseen_ || seconds < seconds_before || step < 10) return;
+        has_foreseen_ = true;
+        if (all > worth_telling) print(out_, "about ", to_text(all, 2), " s will be needed\n"), std::fflush(out_);
+    }
+};
+
+struct NotKept : MeshSoFar {
+    void keep(const Level&, const std::vector<double>&) override {}
+    void write(const Level&, const std::vector<double>&) override {}
+};
+
+// A curved mesh is improved as the mesh with straight sides on its vertices, and then curved again to the boundary of
+// the file as any mesh is (curving.hpp): inside, no side is more curved than the boundary needs. Returns where that
+// takes the nodes, in the problem's frame; nothing where the mesh with straight sides cannot be made valid.
+std::vector<double> curved_again(const ProblemSetup& setup, const Problem& problem, const Solve& solve,
+                                 int& newton_steps, std::FILE* out) try {
+    NotKept nowhere;
     ProblemSetup linear = setup;
     linear.degree = 1;
     Problem straight = make_problem(linear, {linear_part(problem.base), true});
     set_regular_elements(straight);
     hold_surface(linear, straight);
-    const Solution solution = improve_straight(linear, straight);
+    const Solution solution = Improvement(linear, straight, solve, nowhere, newton_steps, out).run();
     if (solution.al.status != Status::converged) return {};
 
     const Mesh& mesh = problem.mesh();
@@ -244,20 +318,46 @@ std::vector<double> moved_vertices(const ProblemSetup& setup, const Problem& pro
     std::vector<char> is_vertex(mesh.nodes(), 0);
     for (int e = 0; e < mesh.element_count(); ++e)
         for (int v = 0; v < mesh.cell(e).vertices; ++v) is_vertex[mesh.element(e)[v]] = 1;
+    moved.x = problem.frame.to_file(mesh.x, dim);
+    const std::vector<double> before = straight_sided(moved);
     std::size_t from = 0;
     for (std::size_t k = 0; k < mesh.x.size(); ++k) {
         if (!is_vertex[k / dim]) continue;
-        const double in_file = straight.frame.to_file(solution.x[from], from, dim);
-        if (solution.x[from] != straight.mesh().x[from]) moved.x[k] = problem.frame.to_run(in_file, k, dim);
+        if (solution.x[from] != straight.mesh().x[from])
+            moved.x[k] = straight.frame.to_file(solution.x[from], from, dim);
         ++from;
     }
-    const std::vector<double> before = straight_sided(mesh), now = straight_sided(moved);
-    std::vector<double> x = mesh.x;
-    for (std::size_t k = 0; k < x.size(); ++k)
-        if (now[k] != before[k]) x[k] = is_vertex[k / dim] ? now[k] : x[k] + (now[k] - before[k]);
-    return surface_distance(problem, x) <= setup.surface_tolerance ? x : std::vector<double>();
+    const std::vector<double> now = straight_sided(moved);
+    for (std::size_t k = 0; k < moved.x.size(); ++k)
+        if (!is_vertex[k / dim]) moved.x[k] += now[k] - before[k];
+
+    ProblemSetup curving = setup;
+    curving.ideal = IdealKind::straight;
+    curving.start = Start::automatic;
+    curving.refine = curving.degree = 0;
+    for (BoundaryMotion& boundary : curving.boundaries) boundary.motion = motion_of(NodeKind::fixed);
+    Problem curved = make_problem(curving, {std::move(moved)});
+    const StageObserver count = [&](const Stage& part) { newton_steps += part.newton_iterations; };
+    const Solution found = curve_in_place(curving, curved, solve, count, nowhere, out);
+    std::vector<double> x = curved.frame.to_file(found.x, dim);
+    problem.frame.take_to_run(x, dim);
+    return x;
 } catch (const Error&) {
     return {};
+}
+
+// Of a curved mesh, whose certified bound counts, and then its corners.
+bool is_better(const ProblemOptions& options, Problem& problem, std::vector<double>& x) {
+    const Mesh& mesh = problem.mesh();
+    if (x.empty() || x == mesh.x || !is_certified(problem, x)) return false;
+    if (invalid_elements(problem, mesh.x).empty()) {
+        if (!ImprovementGuard(options, problem, mesh.x).take(mesh.x, x) || !is_certified(problem, x)) return false;
+        const auto bound = [&](const std::vector<double>& at) { return certify(mesh, at).min_scaled_jacobian; };
+        if (bound(x) == bound(mesh.x) && least_corner_jacobian(mesh, x) <= least_corner_jacobian(mesh, mesh.x))
+            return false;
+    }
+    fix_boundary(problem, x);
+    return true;
 }
 
 }  // namespace
@@ -269,39 +369,13 @@ void set_regular_elements(Problem& problem) {
     problem.regular = local_volumes(mesh, mesh.x, valid);
 }
 
-Solution improve(const ProblemSetup& setup, Problem& problem, const Solve& solve, int& newton_steps, std::FILE* out) {
-    const auto improve_near = [&](const ProblemSetup& with, Problem& of) {
-        const Solve solve_near = [&](const ProblemOptions& options, const Problem&) {
-            const ProblemOptions settings = with_boundary_set(options, of);
-            Solution found = best_of_powers(settings, of, solve, out);
-            for (int attempt = 0; found.al.status == Status::converged &&
-                                  hold_faces_off_surface(settings, of, found.x, attempt, out); ++attempt)
-                found = best_of_powers(settings, of, solve, out);
-            if (!setup.needs_objective || settings.distortion.objective == Objective::minimax)
-                raise_worst_corners(settings, of, found, newton_steps, out);
-            return found;
-        };
-        return improved(with, of, solve_near, newton_steps, out);
-    };
-    Solution solution = improve_near(setup, problem);
-    const Mesh& mesh = problem.mesh();
-    if (mesh.degree > 1 && solution.x == mesh.x && may_stay(setup, problem) && !interrupted()) {
-        print(out, "the vertices alone are moved, as in a mesh with straight sides:\n");
-        std::vector<double> x = moved_vertices(setup, problem, improve_near);
-        const LeastJacobian before = least_jacobian(problem, mesh.x);
-        const LeastJacobian now = x.empty() ? before : least_jacobian(problem, x);
-        const bool is_better = now.corner > before.corner && !now.is_below(before) && is_certified(problem, x);
-        if (!is_better) print(out, "note: the mesh with moved vertices is not better either\n");
-        else fix_boundary(problem, x);
-        set_functional(setup, problem);
-        solution = ended_at(problem, is_better ? std::move(x) : mesh.x, Status::converged);
-    }
-    if (solution.al.status != Status::converged && may_stay(setup, problem) && is_certified(problem, mesh.x) &&
-        surface_distance(problem, solution.x) > setup.surface_tolerance) {
-        print(out, "note: faces were off the surface at the end: the mesh stays as it is\n");
-        set_functional(setup, problem);
-        solution = ended_at(problem, mesh.x, solution.al.status);
-    }
+Solution improve(const ProblemSetup& setup, Problem& problem, const Solve& solve, MeshSoFar& so_far,
+                 int& newton_steps, std::FILE* out) {
+    std::vector<double> x;
+    if (problem.mesh().degree > 1 && may_stay(setup, problem) && !setup.needs_objective && !setup.stops_valid)
+        x = curved_again(setup, problem, solve, newton_steps, out);
+    Improvement improvement(setup, problem, solve, so_far, newton_steps, out);
+    Solution solution = is_better(setup, problem, x) ? improvement.at(std::move(x)) : improvement.run();
     if (solution.al.status == Status::converged && setup.needs_tolerance &&
         surface_distance(problem, solution.x) > setup.surface_tolerance)
         solution.al.status = Status::off_surface;

@@ -45,10 +45,6 @@ void note(Problem& problem, int count, const std::string& why) {
     problem.notes.push_back(concat(counted(count, "boundary node"), count == 1 ? " stays" : " stay", why));
 }
 
-std::vector<double> distances_of(const Problem& problem, const std::vector<double>& x) {
-    return relative_face_distances(problem.mesh(), problem.mesh().x, x, kept_boundaries(problem));
-}
-
 double largest(const std::vector<double>& distances) {
     return distances.empty() ? 0 : *std::max_element(distances.begin(), distances.end());
 }
@@ -81,6 +77,10 @@ void print_volume_changes(std::FILE* out, const Mesh& mesh, const std::vector<do
 }
 
 }  // namespace
+
+std::vector<double> distances_from_surface(const Problem& problem, const std::vector<double>& x) {
+    return relative_face_distances(problem.mesh(), problem.mesh().x, x, kept_boundaries(problem));
+}
 
 void hold_curved_faces(const ProblemOptions& options, Problem& problem, const std::vector<double>& x) {
     if (!problem.sliding) return;
@@ -122,7 +122,7 @@ bool hold_faces_off_surface(const ProblemOptions& options, Problem& problem, con
                             std::FILE* out) {
     constexpr int attempts = 2;  // before all nodes stay
     const Mesh& mesh = problem.mesh();
-    const std::vector<double> distance = distances_of(problem, x);
+    const std::vector<double> distance = distances_from_surface(problem, x);
     std::vector<char> off, boundary(problem.motions.size(), 0);
     for (std::size_t f = 0; f < distance.size(); ++f) {
         off.push_back(distance[f] > options.surface_tolerance);
@@ -137,7 +137,7 @@ bool hold_faces_off_surface(const ProblemOptions& options, Problem& problem, con
 }
 
 double surface_distance(const Problem& problem, const std::vector<double>& x) {
-    return largest(distances_of(problem, x));
+    return largest(distances_from_surface(problem, x));
 }
 
 void print_surface(std::FILE* out, const ProblemOptions& options, const Problem& problem,

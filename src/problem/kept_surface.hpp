@@ -28,7 +28,8 @@ void fix_boundary(Problem& problem, const std::vector<double>& x);
 bool hold_faces_off_surface(const ProblemOptions& options, Problem& problem, const std::vector<double>& x, int attempt,
                             std::FILE* out);
 
-// The largest distance of the boundaries that stay, both ways, in units of the local edge.
+// Distances of the boundaries that stay, both ways, in units of the local edge: per face, or none; and the largest.
+std::vector<double> distances_from_surface(const Problem& problem, const std::vector<double>& x);
 double surface_distance(const Problem& problem, const std::vector<double>& x);
 
 // How far the surface is from that of the file, and by how much the volumes of the regions have changed.

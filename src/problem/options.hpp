@@ -16,6 +16,9 @@ constexpr int most_refinements = 8;
 enum class Start { automatic, identity, coarse, file };
 enum class LocalRepair { automatic, no, yes };
 enum class SurfaceKind { automatic, keep, slide, straighten };
+// What may not fall in a mesh that is improved. automatic: the certified bound of curved cells, the scaled Jacobian at
+// the corners of straight ones.
+enum class Guard { automatic, scaled_jacobian, certified_bound };
 enum class Split { never, automatic, around };
 
 enum class IdealKind {
@@ -49,7 +52,10 @@ struct ProblemOptions {
     double feature_angle = 30;  // degrees
     double surface_tolerance = 1e-3;  // of the local edge, of a mesh that is improved,
     bool needs_tolerance = false;     // which has not converged beyond it,
-    bool needs_objective = false;     // and is the minimiser of the objective: no worst corner is raised after it
+    bool needs_objective = false;     // and is the minimiser of the objective
+    bool stops_valid = false;         // or ends when the mesh is valid
+    Guard guard = Guard::automatic;
+    std::optional<double> size_change;  // 0: sizes are free
     SurfaceKind surface = SurfaceKind::automatic;
     Split split = Split::never;
     std::optional<double> length_scale;

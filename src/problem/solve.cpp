@@ -278,7 +278,7 @@ Solution solve_as_needed(const ProblemSetup& setup, Problem& problem, const Whol
         newton_steps += part.newton_iterations;
     };
     Solution solution = problem.curves_in_place ? curve_in_place(setup, problem, solve_one, add_part, so_far, out)
-                        : improves              ? improve(setup, problem, solve_one, newton_steps, out)
+                        : improves              ? improve(setup, problem, solve_one, so_far, newton_steps, out)
                                                 : solve_one(setup, problem);
     solution.al.earlier_newton_iterations += newton_steps - solution.newton_steps();
     if (problem.curves_in_place || improves) solution.time.total = watch.seconds();

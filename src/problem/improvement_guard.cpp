@@ -1,0 +1,152 @@
+#include "problem/improvement_guard.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/table.hpp"
+#include "check/certificate.hpp"
+#include "check/scaled_jacobian.hpp"
+#include "geometry/patch.hpp"
+#include "problem/corner_smoothing.hpp"
+#include "problem/kept_surface.hpp"
+
+namespace almesh {
+namespace {
+
+constexpr double usual_change = 0.2;  // of sizes that are meant
+constexpr int attempts = 20;
+
+double area(const Mesh& mesh, const std::vector<double>& x, int f) {
+    const int vertices = mesh.face_cell(f).vertices;
+    const double twice = length(flat_normal(positions(mesh, x, mesh.face(f), vertices), mesh.dim - 1, vertices));
+    return mesh.dim == 2 ? twice : 0.5 * twice;
+}
+
+// As a factor, of the largest change either way.
+double largest_factor(const std::vector<double>& before, const std::vector<double>& after) {
+    double largest = 1;
+    for (std::size_t k = 0; k < before.size(); ++k)
+        if (before[k] > 0 && after[k] > 0)
+            largest = std::max({largest, before[k] / after[k], after[k] / before[k]});
+    return largest;
+}
+
+std::string factor_text(double factor) {
+    return factor < 2 ? to_text(100 * (factor - 1), 2) + " %" : "a factor of " + to_text(factor, 2);
+}
+
+}  // namespace
+
+ImprovementGuard::ImprovementGuard(const ProblemOptions& options, const Problem& problem, const std::vector<double>& x)
+    : options_(options), problem_(problem), mesh_(problem.mesh()), size_(element_sizes(mesh_, x)), height_(heights(x)),
+      has_layers_(mesh_.boundaries.size(), 0), least_(std::numeric_limits<double>::infinity()) {
+    const std::vector<double> values = guarded(x, certify(mesh_, x).lower_bound);
+    for (int e = 0; e < mesh_.element_count(); ++e)
+        if (is_feasible(e)) least_ = std::min(least_, values[e]);
+    find_layers();
+    const bool has_layers = std::find(has_layers_.begin(), has_layers_.end(), 1) != has_layers_.end();
+    size_change_ = options.size_change.value_or(has_layers ? usual_change : 0);
+    if (options.size_change) has_layers_.assign(has_layers_.size(), has_layers && size_change_ > 0);
+}
+
+bool ImprovementGuard::is_feasible(int e) const { return problem_.infeasible.empty() || problem_.infeasible[e].empty(); }
+
+std::vector<double> ImprovementGuard::guarded(const std::vector<double>& x, const std::vector<double>& bound) const {
+    const bool corners = options_.guard == Guard::scaled_jacobian ||
+                         (options_.guard == Guard::automatic && mesh_.degree == 1);
+    return corners ? corner_jacobians(mesh_, x) : bound;
+}
+
+std::vector<double> ImprovementGuard::heights(const std::vector<double>& x) const {
+    std::vector<double> result;
+    for (int f = 0; f < mesh_.face_count(); ++f)
+        result.push_back(volume(mesh_, x, mesh_.face_element[f]) / area(mesh_, x, f));
+    return result;
+}
+
+void ImprovementGuard::find_layers() {
+    std::vector<std::vector<double>> flatness(mesh_.boundaries.size());
+    for (int f = 0; f < mesh_.face_count(); ++f) {
+        const double of_face = std::pow(area(mesh_, mesh_.x, f), 1.0 / (mesh_.dim - 1));
+        if (!mesh_.is_inner(f)) flatness[mesh_.face_boundary[f]].push_back(height_[f] / of_face);
+    }
+    for (std::size_t b = 0; b < flatness.size(); ++b) {
+        const auto middle = flatness[b].begin() + std::ssize(flatness[b]) / 2;
+        std::nth_element(flatness[b].begin(), middle, flatness[b].end());
+        has_layers_[b] = !flatness[b].empty() && *middle < flat_cells;
+    }
+}
+
+std::vector<char> ImprovementGuard::on_layers() const {
+    return nodes_with(mesh_, [&](int f, std::size_t) { return size_change_ > 0 && has_layers_[mesh_.face_boundary[f]]; });
+}
+
+bool ImprovementGuard::take(const std::vector<double>& from, std::vector<double>& to, Surface surface) const {
+    const double most = std::log1p(size_change_) * (1 + 1e-9);
+    for (int attempt = 0; attempt < attempts && to != from; ++attempt) {
+        const std::vector<double> bound = certify(mesh_, to).lower_bound, value = guarded(to, bound),
+                                  size = element_sizes(mesh_, to);
+        std::vector<double> off;
+        if (surface == Surface::is_measured) off = distances_from_surface(problem_, to);
+        std::vector<char> back(mesh_.nodes(), 0);
+        const auto put_back = [&](const int* nodes, int count) {
+            for (int k = 0; k < count; ++k) back[nodes[k]] = 1;
+        };
+        for (int e = 0; e < mesh_.element_count(); ++e) {
+            const bool is_resized = size_change_ > 0 && !(std::abs(std::log(size[e] / size_[e])) <= most);
+            if (is_feasible(e) && (bound[e] <= 0 || value[e] < least_ || is_resized))
+                put_back(mesh_.element(e), mesh_.element_nodes(e));
+        }
+        for (std::size_t k = 0; k < off.size(); ++k)
+            if (const int f = static_cast<int>(k); off[k] > options_.surface_tolerance)
+                put_back(mesh_.face(f), mesh_.face_nodes(f));
+        if (std::find(back.begin(), back.end(), 1) == back.end()) return true;
+        for (int i = 0; i < mesh_.nodes(); ++i)
+            if (back[i]) std::copy_n(point(from, i, mesh_.dim), mesh_.dim, point(to, i, mesh_.dim));
+        problem_.level->pairs.settle(from, to);
+    }
+    return false;
+}
+
+std::string ImprovementGuard::kind_text() const {
+    std::string layers;
+    for (std::size_t b = 0; b < has_layers_.size(); ++b)
+        if (has_layers_[b]) layers += (layers.empty() ? "" : ", ") + mesh_.boundaries[b];
+    if (size_change_ > 0)
+        return concat("sizes of elements stay within ", factor_text(1 + size_change_),
+                      options_.size_change ? " (size_change)" : ": layers of flat cells at " + layers +
+                      " (size_change = 0 frees them)");
+    return options_.size_change ? "sizes of elements are free (size_change = 0)"
+                                : "sizes of elements are free: no boundary has layers of flat cells (size_change = 0.2 "
+                                  "keeps them)";
+}
+
+std::string ImprovementGuard::changes_text(const std::vector<double>& x) const {
+    return concat("largest change of an element's size: ", factor_text(largest_factor(size_, element_sizes(mesh_, x))),
+                  "; of the height of a cell at a boundary: ", factor_text(largest_factor(height_, heights(x))));
+}
+
+std::string ImprovementGuard::least_text(const std::vector<double>& x, const std::vector<char>& moves) const {
+    const std::vector<double> s = corner_jacobians(mesh_, x);
+    const int e = static_cast<int>(std::min_element(s.begin(), s.end()) - s.begin());
+    const int vertices = mesh_.cell(e).vertices;
+    int free = 0, others = 0;
+    std::vector<char> near(mesh_.nodes(), 0);
+    for (int k = 0; k < vertices; ++k)
+        if (const int i = mesh_.element(e)[k]; moves[i]) ++free, near[i] = 1;
+    constexpr double as_bad = 0.02;
+    for (int other = 0; other < mesh_.element_count(); ++other) {
+        bool touches = false;
+        for (int k = 0; k < mesh_.cell(other).vertices; ++k) touches = touches || near[mesh_.element(other)[k]];
+        others += other != e && touches && s[other] < s[e] + as_bad;
+    }
+    const Vec<3> centre = problem_.frame.to_file(element_centre(mesh_, x, e));
+    return concat("the least scaled Jacobian, ", rounded_down(s[e], 4), ", is that of element ",
+                  mesh_.file.element_id[e], " at ", position_text(centre.data(), mesh_.dim), ": ",
+                  free == 0 ? "all its nodes are held at the boundary"
+                            : concat(vertices - free, " of its ", vertices, " nodes are held at the boundary, the others "
+                                     "by ", counted(others, "element"), " that would become as bad"));
+}
+
+}  // namespace almesh

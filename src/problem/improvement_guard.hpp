@@ -1,0 +1,50 @@
+// What must not be lost where a valid mesh is made better: validity, the least of the measure that is guarded, the
+// surface of the file and, where they are meant, the sizes of elements.
+//
+// Sizes are meant where a boundary has layers of flat cells: in the middle (median) over its faces, the volume of the
+// cell behind, over the area of the face, is below flat_cells of the face's own size. Nodes of such a boundary stay.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "problem/problem.hpp"
+
+namespace almesh {
+
+constexpr double flat_cells = 0.15;  // 1 / 7 of a cube; a regular tetrahedron has 0.41
+
+class ImprovementGuard {
+public:
+    // x: node_count x dim, of the problem's mesh; what is valid there stays so.
+    ImprovementGuard(const ProblemOptions& options, const Problem& problem, const std::vector<double>& x);
+
+    // The nodes of elements and faces that fail go back from `to` to where `from` has them, until none fails. Whether
+    // anything is left; then all that is guarded is kept. The surface takes as long to measure as a hundred steps.
+    enum class Surface { is_not_measured, is_measured };
+    bool take(const std::vector<double>& from, std::vector<double>& to, Surface surface = Surface::is_measured) const;
+    // Per node: whether it is on a boundary with layers.
+    std::vector<char> on_layers() const;
+    double size_change() const { return size_change_; }  // 0: sizes are free
+
+    // Sentences for users: what the mesh is taken for; how far sizes have changed; what keeps the least corner of x
+    // from being better. moves: per node.
+    std::string kind_text() const;
+    std::string changes_text(const std::vector<double>& x) const;
+    std::string least_text(const std::vector<double>& x, const std::vector<char>& moves) const;
+
+private:
+    const ProblemOptions& options_;
+    const Problem& problem_;
+    const Mesh& mesh_;
+    std::vector<double> size_, height_;  // of elements, and of those at faces
+    std::vector<char> has_layers_;       // per boundary
+    double size_change_ = 0, least_;
+
+    bool is_feasible(int e) const;
+    std::vector<double> guarded(const std::vector<double>& x, const std::vector<double>& bound) const;
+    std::vector<double> heights(const std::vector<double>& x) const;
+    std::vector<double> face_sizes() const;
+    void find_layers();
+};
+
+}  // namespace almesh
