@@ -19,10 +19,12 @@
 namespace almesh {
 namespace {
 
-constexpr double first_k = 10, last_k = 320;
-constexpr int steps_of_stage = 100;
+constexpr double first_k = 10, last_k = 1280;
+constexpr int fewest_steps = 100, most_steps = 400;  // of a stage
+constexpr double work_of_stage = 5.6e6;              // corners times steps, between these
+constexpr double least_fall = 1e-3;                  // of E_k in ten steps
 constexpr double weight_of_others = 0.0015, last_k_of_weight = 40;  // w; beyond, it falls as 1 / k
-constexpr double part_of_shape = 0.3;                              // a
+constexpr double part_of_shape = 0.3, usual_shape = 3.5;           // a, where no eta is larger than that
 constexpr double negligible = -40;                                 // exponent
 constexpr double free_part = 0.8, stiffness = 20;                  // of the bound for sizes
 constexpr int most_vertices = 8;
@@ -63,6 +65,11 @@ public:
 
     int steps() const { return steps_; }
     int elements() const { return static_cast<int>(element_.size()); }
+    int corners() const {
+        int count = 0;
+        for (const int e : element_) count += static_cast<int>(corners_[mesh_.group_number(e)].size());
+        return count;
+    }
     double least() const { return least_; }
     // Of all iterates since begin(): the positions with the largest least s, and that.
     const std::vector<double>& best() const { return best_; }
@@ -74,6 +81,10 @@ public:
         weight_ = weight_of_others * std::min(1.0, last_k_of_weight / k);
         of_others_ = 0;
         const bool is_valid = std::isfinite(value(z, g));
+        double eta = usual_shape;
+        for (const Terms& of : terms_) eta = std::max(eta, of.eta);
+        a_ = part_of_shape * std::pow((usual_shape - 1) / (eta - 1), 2);
+        value(z, g);
         of_others_ = sum_of_others_;
         reference_ = best_least_ = least_;
         best_ = x_;
@@ -130,7 +141,7 @@ public:
 
 private:
     struct Terms {
-        double least = 1, worst = 0, others = 0;
+        double least = 1, eta = 1, worst = 0, others = 0;
     };
 
     struct SlidingNode {
@@ -142,7 +153,7 @@ private:
     const MovingNodes& moving_;
     const Mesh& mesh_;
     int dim_, steps_ = 0;
-    double k_ = first_k, weight_ = 0, reference_ = 0, least_ = 1, best_least_ = 1, of_others_ = 0, sum_of_others_ = 0;
+    double k_ = first_k, weight_ = 0, a_ = 0, reference_ = 0, least_ = 1, best_least_ = 1, of_others_ = 0, sum_of_others_ = 0;
     std::vector<double> from_;       // positions at z = 0
     std::vector<double> x_;          // and at z
     std::vector<double> best_, first_size_;
@@ -253,9 +264,10 @@ private:
         const double eta = sum / (dim_ * (dim_ == 2 ? det : std::cbrt(det * det)));
         const double exponent = -k_ * (s - reference_), power = exponent < negligible ? 0 : std::exp(exponent);
         of.least = std::min(of.least, s);
+        of.eta = std::max(of.eta, eta);
         of.worst += power / k_;
-        of.others += 0.5 * weight_ * ((1 - s) * (1 - s) + part_of_shape * (eta - 1) * (eta - 1));
-        const double by_s = -power - weight_ * (1 - s), by_eta = weight_ * part_of_shape * (eta - 1);
+        of.others += 0.5 * weight_ * ((1 - s) * (1 - s) + a_ * (eta - 1) * (eta - 1));
+        const double by_s = -power - weight_ * (1 - s), by_eta = weight_ * a_ * (eta - 1);
         const double by_det = (s * by_s - 2.0 / dim_ * eta * by_eta) / at.determinant, by_sum = by_eta * eta / sum;
         for (int j = 0; j < dim_; ++j)
             add(corner, j, by_det * at.normal(j) + (2 * by_sum - by_s * s / at.square[j]) * at.edge[j], slopes);
@@ -314,13 +326,14 @@ int smooth_corners(const MovingNodes& moving,
     if (E.elements() == 0) return 0;
     std::vector<double> z(x.size(), 0.0), g(x.size());
     double reached = -1;
+    const int steps = std::clamp(static_cast<int>(work_of_stage / E.corners()), fewest_steps, most_steps);
     int most = 0;
-    for (double k = first_k; k <= last_k; k *= 2) most += steps_of_stage;
+    for (double k = first_k; k <= last_k; k *= 2) most += steps;
     E.observe = [&](int step) { if (moving.observe) moving.observe(step, most); };
     for (double k = first_k; k <= last_k && !interrupted(); k *= 2) {
         if (!E.begin(k, z, g)) break;
         if (k == first_k) reached = E.least();
-        minimise(E, {.max_iterations = steps_of_stage}, z);
+        minimise(E, {.max_iterations = steps, .least_fall = least_fall}, z);
         if (E.best_least() <= reached) continue;
         std::vector<double> to = E.best();
         E.put_back(to);

@@ -2,7 +2,7 @@
 //
 // With s at the corners of all elements with such a node, and s_0 the least of them where a stage begins,
 //
-//     E_k(x) = sum 1/k exp(-k (s - s_0)) + w/2 ((1 - s)^2 + a (eta - 1)^2),   k = 10, 20, ..., 320,
+//     E_k(x) = sum 1/k exp(-k (s - s_0)) + w/2 ((1 - s)^2 + a (eta - 1)^2),   k = 10, 20, ..., 1280,
 //
 // is governed by many corners for small k and by the worst ones for large k; the squares, with a small w, keep the
 // others good, and edges of similar lengths: eta is the distortion (paper, Eq. 1) of the map from the regular corner. (Freitag and Ollivier-Gooch, Int. J. Numer. Meth. Eng. 40, 1997, raise the worst corner around one node
