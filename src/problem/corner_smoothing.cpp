@@ -14,7 +14,6 @@
 #include "constraint/sliding_nodes.hpp"
 #include "geometry/patch.hpp"
 #include "mesh/restriction.hpp"
-#include "method/lbfgs.hpp"
 
 namespace almesh {
 namespace {
@@ -27,6 +26,7 @@ constexpr double weight_of_others = 0.0015, last_k_of_weight = 40;  // w; beyond
 constexpr double part_of_shape = 0.3, usual_shape = 3.5;           // a, where no eta is larger than that
 constexpr double negligible = -40;                                 // exponent
 constexpr double free_part = 0.8, stiffness = 20;                  // of the bound for sizes
+constexpr double worthwhile = 1e-7, flat = 1e-9;  // of s
 constexpr int most_vertices = 8;
 
 // The determinant and the edges at a corner, in 2D with a third edge of (0, 0, 1).
@@ -65,11 +65,7 @@ public:
 
     int steps() const { return steps_; }
     int elements() const { return static_cast<int>(element_.size()); }
-    int corners() const {
-        int count = 0;
-        for (const int e : element_) count += static_cast<int>(corners_[mesh_.group_number(e)].size());
-        return count;
-    }
+    int corners() const { return count_; }
     double least() const { return least_; }
     // Of all iterates since begin(): the positions with the largest least s, and that.
     const std::vector<double>& best() const { return best_; }
@@ -152,7 +148,7 @@ private:
 
     const MovingNodes& moving_;
     const Mesh& mesh_;
-    int dim_, steps_ = 0;
+    int dim_, steps_ = 0, count_ = 0;
     double k_ = first_k, weight_ = 0, a_ = 0, reference_ = 0, least_ = 1, best_least_ = 1, of_others_ = 0, sum_of_others_ = 0;
     std::vector<double> from_;       // positions at z = 0
     std::vector<double> x_;          // and at z
@@ -162,6 +158,7 @@ private:
     std::vector<int> element_;                  // with a node that moves
     std::vector<std::vector<Corner>> corners_;  // by group of elements
     std::vector<int> first_, place_;            // per node, its vertices: 8 k + v, v of element_[k]
+    std::vector<unsigned char> counts_;         // of these elements, bit c: whether the corner counts
     std::vector<Terms> terms_;                  // of these elements
     std::vector<Vec<3>> slopes_;                // at 8 k + v
 
@@ -179,8 +176,28 @@ private:
         place_.resize(first_.back());
         std::vector<int> next(first_.begin(), first_.end() - 1);
         for_vertices([&](int i, int place) { place_[next[i]++] = place; });
+        find_corners();
         terms_.resize(element_.size());
         slopes_.resize(element_.size() * most_vertices);
+    }
+
+    // Those that count have a node that moves. Of an element that cannot be valid, flat and inverted ones do not.
+    void find_corners() {
+        counts_.resize(element_.size());
+        for (int k = 0; k < elements(); ++k) {
+            const std::array<Vec<3>, most_vertices> vertex = vertices_of(mesh_, from_, element_[k]);
+            const std::vector<Corner>& corners = corners_[mesh_.group_number(element_[k])];
+            for (std::size_t c = 0; c < corners.size(); ++c) {
+                bool moves = false;
+                for (int j = 0; j <= dim_; ++j)
+                    moves = moves || moving_.moves[mesh_.element(element_[k])[corners[c].vertex[j]]];
+                const CornerEdges at(corners[c], vertex, dim_);
+                const double lengths = std::sqrt(at.square[0] * at.square[1] * at.square[2]);
+                if (!moves || !(at.determinant / corners[c].regular > flat * lengths)) continue;
+                counts_[k] |= static_cast<unsigned char>(1 << c);
+                ++count_;
+            }
+        }
     }
 
     void scale_by_edges() {
@@ -237,17 +254,14 @@ private:
     // What an element adds, and the derivatives by its vertices.
     void measure(int k) {
         const int e = element_[k];
-        const int* const nodes = mesh_.element(e);
         const std::array<Vec<3>, most_vertices> vertex = vertices_of(mesh_, x_, e);
         Vec<3>* const slopes = &slopes_[static_cast<std::size_t>(k) * most_vertices];
         std::fill_n(slopes, most_vertices, Vec<3>{});
         Terms& of = terms_[k] = {};
-        for (const Corner& corner : corners_[mesh_.group_number(e)]) {
-            bool moves = false;
-            for (int j = 0; j <= dim_; ++j) moves = moves || moving_.moves[nodes[corner.vertex[j]]];
-            if (moves) add_corner(corner, vertex, of, slopes);
-        }
-        if (!first_size_.empty()) add_size(k, vertex, of, slopes);
+        const std::vector<Corner>& corners = corners_[mesh_.group_number(e)];
+        for (std::size_t c = 0; c < corners.size(); ++c)
+            if (counts_[k] >> c & 1) add_corner(corners[c], vertex, of, slopes);
+        if (!first_size_.empty() && first_size_[e] > 0) add_size(k, vertex, of, slopes);
     }
 
     void add_corner(const Corner& corner, const std::array<Vec<3>, most_vertices>& vertex, Terms& of,
@@ -319,11 +333,18 @@ std::vector<double> element_sizes(const Mesh& mesh, const std::vector<double>& x
     return sizes;
 }
 
+std::unique_ptr<SmoothFunction> corner_function(const MovingNodes& moving, const std::vector<double>& x, double k) {
+    auto E = std::make_unique<CornerFunction>(moving, x);
+    std::vector<double> g(x.size());
+    E->begin(k, std::vector<double>(x.size(), 0.0), g);
+    return E;
+}
+
 int smooth_corners(const MovingNodes& moving,
                    const std::function<bool(const std::vector<double>& from, std::vector<double>& to)>& taken,
                    std::vector<double>& x) {
     CornerFunction E(moving, x);
-    if (E.elements() == 0) return 0;
+    if (E.corners() == 0) return 0;
     std::vector<double> z(x.size(), 0.0), g(x.size());
     double reached = -1;
     const int steps = std::clamp(static_cast<int>(work_of_stage / E.corners()), fewest_steps, most_steps);
@@ -334,7 +355,7 @@ int smooth_corners(const MovingNodes& moving,
         if (!E.begin(k, z, g)) break;
         if (k == first_k) reached = E.least();
         minimise(E, {.max_iterations = steps, .least_fall = least_fall}, z);
-        if (E.best_least() <= reached) continue;
+        if (E.best_least() <= reached + worthwhile) continue;
         std::vector<double> to = E.best();
         E.put_back(to);
         if (!taken(x, to)) continue;

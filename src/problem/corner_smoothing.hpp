@@ -13,11 +13,13 @@
 // within a factor 1 + size_change: from four fifths of its logarithm on, it adds to E_k.
 #pragma once
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "constraint/constraint.hpp"
 #include "mesh/mesh.hpp"
 #include "mesh/periodic.hpp"
+#include "method/lbfgs.hpp"
 
 namespace almesh {
 
@@ -33,6 +35,9 @@ struct MovingNodes {
 // Per element: the mean determinant at its corners, that of the regular cell's with the same edges 1. x: node_count x
 // dim.
 std::vector<double> element_sizes(const Mesh& mesh, const std::vector<double>& x);
+
+// E_k near x, as a function of the displacements from there in units of the edges at each node.
+std::unique_ptr<SmoothFunction> corner_function(const MovingNodes& moving, const std::vector<double>& x, double k);
 
 // x: node_count x dim, a valid mesh that satisfies the constraint. After each stage that has a larger least s at corners
 // with a node that moves, it becomes that mesh, as `taken` leaves it, if that returns true. Returns the number of steps.

@@ -140,6 +140,8 @@ ProblemOptions with_boundary_set(const ProblemOptions& options, const Problem& p
 // One mesh, made valid and then better.
 class Improvement {
 public:
+    std::string sizes_text;  // of a mesh that was made better
+
     Improvement(const ProblemSetup& setup, Problem& problem, const Solve& solve, MeshSoFar& so_far, int& newton_steps,
                 std::FILE* out)
         : setup_(setup), problem_(problem), solve_(solve), so_far_(so_far), newton_steps_(newton_steps), out_(out) {}
@@ -154,12 +156,11 @@ public:
         Solution solution = at(x);
         if (setup_.stops_valid || interrupted()) return solution;
         const ImprovementGuard guard(setup_, problem_, x);
-        if (stays) print(out_, guard.kind_text(), "\n");
         if (minimises) solution = minimised(x, stays ? &guard : nullptr);
         if (!stays || solution.al.status != Status::converged) return solution;
         if (mesh.degree == 1 && (!setup_.needs_objective || setup_.distortion.objective == Objective::minimax))
             raise_least_corner(guard, x, solution);
-        print(out_, guard.changes_text(solution.x), "\n");
+        sizes_text = guard.sizes_text(solution.x);
         return solution;
     }
 
@@ -239,21 +240,18 @@ private:
                 return true;
             };
             watch_ = Stopwatch();
-            const double before = least_corner_jacobian(mesh, x);
             const std::vector<double> from = x;
             const int steps = smooth_corners(moving, taken, x);
             if (problem_.sliding && !guard.take(from, x)) x = from;
-            print(out_, "least scaled Jacobian raised from ", rounded_down(before, 4), " to ",
-                  rounded_down(least_corner_jacobian(mesh, x), 4), " in ", counted(steps, "L-BFGS step"), "\n");
-            return moves;
+            print(out_, guard.least_text(from, x, moves, steps), "\n");
         };
-        std::vector<char> moves = smooth();
+        smooth();
         if (problem_.sliding && !interrupted() && !is_certified(problem_, x) && is_certified(problem_, start)) {
             print(out_, "note: no valid mesh was found with nodes that slide: the boundary stays as it is\n");
             x = start;
             fix_boundary(problem_, x);
             set_functional(setup_, problem_);
-            moves = smooth();
+            smooth();
         }
         if (x != solution.x) {
             take_along_target(problem_, solution.x, x);
@@ -262,10 +260,9 @@ private:
             if (interrupted()) so_far_.write(*problem_.level, solution.x);
             else solution.al.status = status;
         }
-        print(out_, guard.least_text(solution.x, moves), "\n");
     }
 
-    // Those that the constraint does not hold, but for nodes of infeasible elements and of boundaries with layers.
+    // Those that the constraint does not hold, but for nodes of boundaries with layers.
     std::vector<char> moving_nodes(const ImprovementGuard& guard, const std::vector<double>& x) const {
         const Mesh& mesh = problem_.mesh();
         std::vector<char> moves = guard.on_layers();
@@ -273,8 +270,6 @@ private:
         const std::vector<int> held = held_directions(*problem_.level->constraint, x, mesh.dim);
         for (const int i : problem_.level->constraint->nodes())
             if (held.empty() || held[i] == mesh.dim) moves[i] = 0;
-        for (int e = 0; e < mesh.element_count(); ++e)
-            for (int k = 0; k < mesh.element_nodes(e) && !is_feasible(problem_, e); ++k) moves[mesh.element(e)[k]] = 0;
         for (const PeriodicPairs::Pair& pair : problem_.level->pairs.pairs)
             moves[pair.slave] = moves[pair.master] = moves[pair.slave] && moves[pair.master];
         return moves;
@@ -350,6 +345,7 @@ std::vector<double> curved_again(const ProblemSetup& setup, const Problem& probl
 bool is_better(const ProblemOptions& options, Problem& problem, std::vector<double>& x) {
     const Mesh& mesh = problem.mesh();
     if (x.empty() || x == mesh.x || !is_certified(problem, x)) return false;
+    if (options.needs_tolerance && surface_distance(problem, x) > options.surface_tolerance) return false;
     if (invalid_elements(problem, mesh.x).empty()) {
         if (!ImprovementGuard(options, problem, mesh.x).take(mesh.x, x) || !is_certified(problem, x)) return false;
         const auto bound = [&](const std::vector<double>& at) { return certify(mesh, at).min_scaled_jacobian; };
@@ -380,7 +376,7 @@ Solution improve(const ProblemSetup& setup, Problem& problem, const Solve& solve
         surface_distance(problem, solution.x) > setup.surface_tolerance)
         solution.al.status = Status::off_surface;
     count_infeasible(setup, problem, solution);
-    print_surface(out, setup, problem, solution.x);
+    print_surface(out, setup, problem, solution.x, improvement.sizes_text);
     return solution;
 }
 

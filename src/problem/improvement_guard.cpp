@@ -33,7 +33,7 @@ double largest_factor(const std::vector<double>& before, const std::vector<doubl
 }
 
 std::string factor_text(double factor) {
-    return factor < 2 ? to_text(100 * (factor - 1), 2) + " %" : "a factor of " + to_text(factor, 2);
+    return factor < 1.995 ? to_text(std::round(100 * (factor - 1)), 3) + " %" : "a factor of " + to_text(factor, 2);
 }
 
 }  // namespace
@@ -109,44 +109,66 @@ bool ImprovementGuard::take(const std::vector<double>& from, std::vector<double>
     return false;
 }
 
-std::string ImprovementGuard::kind_text() const {
+std::string ImprovementGuard::sizes_text(const std::vector<double>& x) const {
     std::string layers;
     for (std::size_t b = 0; b < has_layers_.size(); ++b)
         if (has_layers_[b]) layers += (layers.empty() ? "" : ", ") + mesh_.boundaries[b];
-    if (size_change_ > 0)
-        return concat("sizes of elements stay within ", factor_text(1 + size_change_),
-                      options_.size_change ? " (size_change)" : ": layers of flat cells at " + layers +
-                      " (size_change = 0 frees them)");
-    return options_.size_change ? "sizes of elements are free (size_change = 0)"
-                                : "sizes of elements are free: no boundary has layers of flat cells (size_change = 0.2 "
-                                  "keeps them)";
+    const std::string why = options_.size_change ? "" :
+                            size_change_ > 0 ? ", for the layers of flat cells at " + layers + " (size_change = 0: free)"
+                                             : ": no layers of flat cells (size_change = 0.2 keeps them)";
+    return concat("sizes of elements changed by up to ", factor_text(largest_factor(size_, element_sizes(mesh_, x))),
+                  ", heights of cells at the boundary by ", factor_text(largest_factor(height_, heights(x))), "; ",
+                  size_change_ > 0 ? "kept within " + factor_text(1 + size_change_) : "free", why);
 }
 
-std::string ImprovementGuard::changes_text(const std::vector<double>& x) const {
-    return concat("largest change of an element's size: ", factor_text(largest_factor(size_, element_sizes(mesh_, x))),
-                  "; of the height of a cell at a boundary: ", factor_text(largest_factor(height_, heights(x))));
-}
-
-std::string ImprovementGuard::least_text(const std::vector<double>& x, const std::vector<char>& moves) const {
-    const std::vector<double> s = corner_jacobians(mesh_, x);
-    const int e = static_cast<int>(std::min_element(s.begin(), s.end()) - s.begin());
-    const int vertices = mesh_.cell(e).vertices;
-    int free = 0, others = 0;
-    std::vector<char> near(mesh_.nodes(), 0);
-    for (int k = 0; k < vertices; ++k)
-        if (const int i = mesh_.element(e)[k]; moves[i]) ++free, near[i] = 1;
-    constexpr double as_bad = 0.02;
-    for (int other = 0; other < mesh_.element_count(); ++other) {
-        bool touches = false;
-        for (int k = 0; k < mesh_.cell(other).vertices; ++k) touches = touches || near[mesh_.element(other)[k]];
-        others += other != e && touches && s[other] < s[e] + as_bad;
+std::string ImprovementGuard::least_text(const std::vector<double>& from, const std::vector<double>& x,
+                                         const std::vector<char>& moves, int steps) const {
+    const std::vector<double> before = corner_jacobians(mesh_, from), s = corner_jacobians(mesh_, x);
+    const auto moving_nodes = [&](int e) {
+        const int* const nodes = mesh_.element(e);
+        return static_cast<int>(std::count_if(nodes, nodes + mesh_.cell(e).vertices, [&](int i) { return moves[i]; }));
+    };
+    double least_before = std::numeric_limits<double>::infinity();
+    int least = -1, held = -1;
+    for (int e = 0; e < mesh_.element_count(); ++e) {
+        if (!is_feasible(e)) continue;
+        int& of_kind = moving_nodes(e) > 0 ? least : held;
+        if (of_kind < 0 || s[e] < s[of_kind]) of_kind = e;
+        if (moving_nodes(e) > 0) least_before = std::min(least_before, before[e]);
     }
-    const Vec<3> centre = problem_.frame.to_file(element_centre(mesh_, x, e));
-    return concat("the least scaled Jacobian, ", rounded_down(s[e], 4), ", is that of element ",
-                  mesh_.file.element_id[e], " at ", position_text(centre.data(), mesh_.dim), ": ",
-                  free == 0 ? "all its nodes are held at the boundary"
-                            : concat(vertices - free, " of its ", vertices, " nodes are held at the boundary, the others "
-                                     "by ", counted(others, "element"), " that would become as bad"));
+    const auto element = [&](int e) {
+        const Vec<3> centre = problem_.frame.to_file(element_centre(mesh_, x, e));
+        return concat("element ", mesh_.file.element_id[e], " at ", position_text(centre.data(), mesh_.dim));
+    };
+    std::string text;
+    if (least >= 0) {
+        const int vertices = mesh_.cell(least).vertices, others = beside(least, s, moves);
+        text = concat("least scaled Jacobian raised from ", rounded_down(least_before, 4), " to ",
+                      rounded_down(s[least], 4), " in ", counted(steps, "step"), "; ", element(least), " has it: ");
+        if (const int count = vertices - moving_nodes(least); count > 0)
+            text += concat(count, " of its ", vertices, " nodes are held, ");
+        text += others > 0 ? concat("moving ", moving_nodes(least) < vertices ? "the others" : "its nodes",
+                                    " would make ", counted(others, "element"), " beside it worse")
+                           : "moving its nodes does not help";
+    }
+    if (held >= 0 && (least < 0 || s[held] < s[least]))
+        text += concat(text.empty() ? "" : "; ", rounded_down(s[held], 4), " in ", element(held),
+                       ", all of whose nodes are held at the boundary");
+    return text;
+}
+
+// Elements that are nearly as bad, at nodes of this one that move.
+int ImprovementGuard::beside(int e, const std::vector<double>& s, const std::vector<char>& moves) const {
+    constexpr double as_bad = 0.02;
+    std::vector<char> near(mesh_.nodes(), 0);
+    for (int k = 0; k < mesh_.cell(e).vertices; ++k) near[mesh_.element(e)[k]] = moves[mesh_.element(e)[k]];
+    int count = 0;
+    for (int other = 0; other < mesh_.element_count(); ++other) {
+        const int* const nodes = mesh_.element(other);
+        count += other != e && s[other] < s[e] + as_bad &&
+                 std::any_of(nodes, nodes + mesh_.cell(other).vertices, [&](int i) { return near[i]; });
+    }
+    return count;
 }
 
 }  // namespace almesh

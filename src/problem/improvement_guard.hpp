@@ -26,11 +26,11 @@ public:
     std::vector<char> on_layers() const;
     double size_change() const { return size_change_; }  // 0: sizes are free
 
-    // Sentences for users: what the mesh is taken for; how far sizes have changed; what keeps the least corner of x
-    // from being better. moves: per node.
-    std::string kind_text() const;
-    std::string changes_text(const std::vector<double>& x) const;
-    std::string least_text(const std::vector<double>& x, const std::vector<char>& moves) const;
+    // For users: how far sizes have changed at x, whether they were free to, and why; how the least scaled Jacobian was
+    // raised from that at x, which element has it now, and what keeps it from being better. moves: per node.
+    std::string sizes_text(const std::vector<double>& x) const;
+    std::string least_text(const std::vector<double>& from, const std::vector<double>& x, const std::vector<char>& moves,
+                           int steps) const;
 
 private:
     const ProblemOptions& options_;
@@ -41,6 +41,7 @@ private:
     double size_change_ = 0, least_;
 
     bool is_feasible(int e) const;
+    int beside(int e, const std::vector<double>& s, const std::vector<char>& moves) const;
     std::vector<double> guarded(const std::vector<double>& x, const std::vector<double>& bound) const;
     std::vector<double> heights(const std::vector<double>& x) const;
     std::vector<double> face_sizes() const;

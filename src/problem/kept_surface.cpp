@@ -42,7 +42,10 @@ int hold(Problem& problem, const std::vector<char>& nodes) {
 
 void note(Problem& problem, int count, const std::string& why) {
     if (count == 0) return;
-    problem.notes.push_back(concat(counted(count, "boundary node"), count == 1 ? " stays" : " stay", why));
+    const std::string text = concat(counted(count, "boundary node"), count == 1 ? " stays" : " stay", why);
+    if (problem.notes.empty() || problem.notes.back().find(" slide along: ") == std::string::npos)
+        problem.notes.push_back(text);
+    else problem.notes.back() += "; " + text;
 }
 
 double largest(const std::vector<double>& distances) {
@@ -50,7 +53,7 @@ double largest(const std::vector<double>& distances) {
 }
 
 // Changes of the volumes of the regions, relative to them: of curved elements too, by what their faces have swept.
-void print_volume_changes(std::FILE* out, const Mesh& mesh, const std::vector<double>& x) {
+std::string volume_changes(const Mesh& mesh, const std::vector<double>& x) {
     std::vector<GroupCells> regions = volume_groups(mesh);
     if (regions.empty()) {
         regions.push_back({"the mesh", {}});
@@ -73,7 +76,7 @@ void print_volume_changes(std::FILE* out, const Mesh& mesh, const std::vector<do
         }
         text += concat(text.empty() ? "" : ", ", region.name, " ", to_text(gained / before, 2));
     }
-    print(out, "change of ", mesh.dim == 2 ? "area" : "volume", " relative to the file: ", text, "\n");
+    return concat("change of ", mesh.dim == 2 ? "area" : "volume", ": ", text);
 }
 
 }  // namespace
@@ -141,12 +144,12 @@ double surface_distance(const Problem& problem, const std::vector<double>& x) {
 }
 
 void print_surface(std::FILE* out, const ProblemOptions& options, const Problem& problem,
-                   const std::vector<double>& x) {
+                   const std::vector<double>& x, const std::string& more) {
     const double distance = surface_distance(problem, x);
     print(out, "distance of the boundary from that of the file: ", to_text(distance, 2), " of an edge, ",
           distance > options.surface_tolerance ? "NOT " : "", "within surface_tolerance = ",
-          to_text(options.surface_tolerance, 6), "\n");
-    print_volume_changes(out, problem.mesh(), x);
+          to_text(options.surface_tolerance, 6), "; ", volume_changes(problem.mesh(), x), more.empty() ? "" : "; ", more,
+          "\n");
 }
 
 }  // namespace almesh

@@ -32,7 +32,8 @@ bool hold_faces_off_surface(const ProblemOptions& options, Problem& problem, con
 std::vector<double> distances_from_surface(const Problem& problem, const std::vector<double>& x);
 double surface_distance(const Problem& problem, const std::vector<double>& x);
 
-// How far the surface is from that of the file, and by how much the volumes of the regions have changed.
-void print_surface(std::FILE* out, const ProblemOptions& options, const Problem& problem, const std::vector<double>& x);
+// How far the surface is from that of the file, by how much the volumes of the regions have changed, and more.
+void print_surface(std::FILE* out, const ProblemOptions& options, const Problem& problem, const std::vector<double>& x,
+                   const std::string& more);
 
 }  // namespace almesh

@@ -172,20 +172,26 @@ void finish(const Mesh& mesh, const Frame& frame, SlidingSurfaces* sliding, Boun
     frame.take_to_run(target.sample, mesh.dim);
 }
 
-void note_surfaces(const SlidingSurfaces& sliding, Problem& problem) {
+// One for each boundary; of a mesh that is improved, one for all.
+void note_surfaces(const SlidingSurfaces& sliding, bool together, Problem& problem) {
     const Mesh& mesh = problem.mesh();
-    for (int b = 0; b < static_cast<int>(mesh.boundaries.size()); ++b) {
-        std::map<std::string, int> count;
-        for (int part = 0; part < sliding.parts(); ++part)
-            if (sliding.boundary(part) == b) ++count[sliding.surface(part).name()];
+    std::map<std::string, int> count;
+    const auto note = [&](const std::string& subject) {
         std::string text;
         for (const auto& [name, times] : count)
             text += (text.empty() ? "" : ", ") + name +
                     (times > 1 ? concat(" (", times, " parts)") : std::string());
+        if (!text.empty()) problem.notes.push_back(subject + text);
+        count.clear();
+    };
+    for (int b = 0; b < static_cast<int>(mesh.boundaries.size()); ++b) {
+        for (int part = 0; part < sliding.parts(); ++part)
+            if (sliding.boundary(part) == b) ++count[sliding.surface(part).name()];
         const MotionStep* const other = surface_step(problem.motions[b]);
         const std::string along = other ? " along " + other->file + ": " : " along: ";
-        if (!text.empty()) problem.notes.push_back("boundary " + mesh.boundaries[b] + " slides" + along + text);
+        if (!together || other) note("boundary " + mesh.boundaries[b] + " slides" + along);
     }
+    note("boundary nodes slide along: ");
 }
 
 void note_pairs(Problem& problem) {
@@ -276,7 +282,7 @@ std::shared_ptr<SlidingSurfaces> make_surfaces(const ProblemSetup& setup, Proble
         throw SettingError("", "all boundaries are free: give at least one of them a motion");
     const std::vector<OtherSurface> other = read_other_surfaces(setup, problem.base, problem.notes);
     const auto sliding = surfaces_at(1, setup, problem, problem.mesh(), target, problem.motions, other);
-    if (sliding) note_surfaces(*sliding, problem);
+    if (sliding) note_surfaces(*sliding, is_improved(setup.ideal), problem);
     return sliding;
 }
 

@@ -238,7 +238,7 @@ void print_boundary(std::FILE* out, const Deck& deck, const Problem& problem, co
               counted(solution.nodes_off_target, "boundary node"), " off their targets, by at most ",
               shown(last.relative_boundary_error, 2), " of a cell's height; largest boundary error ", shown(error, 3),
               "\n");
-    else if (solution.off_motion.nodes == 0)
+    else if (solution.off_motion.nodes == 0 && deck.path != deck.mesh)
         print(out, "every boundary node is where its motion takes it to the last bit",
               problem.sliding ? ", or on the surface along which it slides" : "",
               "; between the nodes the boundary is within ", shown(error, 3), " of its motion\n");
@@ -270,9 +270,11 @@ void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, cons
                          : is_improved(deck.ideal)                         ? " more in other attempts"
                          : deck.distortion.objective == Objective::minimax ? " more with earlier powers"
                                                                            : " more in earlier load increments");
-    print(out, headline(outcome(solution.al)), ": ", solution.al.iterations.size() - 1, " AL and ",
-          solution.al.newton_iterations, " Newton iterations", others.empty() ? "" : " (" + others + ")", " in ",
-          fixed(solution.time.total, 2), " s\n");
+    const bool made_better = is_improved(deck.ideal) && solution.al.status == Status::converged;
+    if (!made_better || deck.needs_objective)
+        print(out, headline(outcome(solution.al)), ": ", solution.al.iterations.size() - 1, " AL and ",
+              solution.al.newton_iterations, " Newton iterations", others.empty() ? "" : " (" + others + ")", " in ",
+              fixed(solution.time.total, 2), " s\n");
     print_diagnosis(out, deck, problem, solution);
     print_boundary(out, deck, problem, solution);
     if (solution.al.iterations.back().newton_status == Status::attainable_accuracy)
@@ -285,7 +287,8 @@ void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, cons
               " GB, more than this machine's memory\n");
     const bool shows = solution.diagnosis.kind != DiagnosisKind::none && deck.vtk != VtkOutput::none;
     print(out, judgement(problem, solution), ": scaled Jacobian >= ",
-          rounded_down(solution.certificate.min_scaled_jacobian, 4), " everywhere; results in ", deck.output,
+          rounded_down(solution.certificate.min_scaled_jacobian, 4), " everywhere; ",
+          made_better ? "in " + fixed(solution.time.total, 2) + " s; " : "", "results in ", deck.output,
           shows ? ", the elements around it in stop.vtk" : "", "\n");
 }
 

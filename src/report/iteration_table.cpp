@@ -155,9 +155,9 @@ const TextTable shown{{{"AL", 3}, {"|c_D|", 9}, {"|grad E|", 9}, {"q", 8}, {"max
 
 }  // namespace
 
-IterationTable::IterationTable(std::FILE* out, const Units& units, const std::string& run)
-    : out_(out), is_terminal_(isatty(fileno(out)) != 0), units_(units), run_(run) {
-    print(out_, shown.heading());
+IterationTable::IterationTable(std::FILE* out, const Units& units, const std::string& run, bool is_shown)
+    : out_(out), is_shown_(is_shown), is_terminal_(is_shown && isatty(fileno(out)) != 0), units_(units), run_(run) {
+    if (is_shown_) print(out_, shown.heading());
 }
 
 void IterationTable::add(const Stage& stage) {
@@ -201,6 +201,7 @@ SolveObserver IterationTable::observer() {
 }
 
 void IterationTable::show(const AlIteration& row, const char* update, const std::string& note) {
+    if (!is_shown_) return;
     const auto after = [&](const std::string& cell) { return update ? cell : "-"; };  // a minimisation
     const Cells cells = {row.iteration, scientific(row.constraint_norm, 3), after(scientific(row.gradient_norm, 2)),
                          fixed(row.relative_quality, 6), to_text(row.max_distortion, 4), after(scientific(row.mu, 2)),

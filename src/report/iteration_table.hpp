@@ -24,8 +24,8 @@ std::vector<Named> history_columns();  // for the list of keys
 
 class IterationTable {
 public:
-    // Prints the header of the table. run: its id.
-    IterationTable(std::FILE* out, const Units& units, const std::string& run);
+    // Prints the header of the table, if it is shown. run: its id.
+    IterationTable(std::FILE* out, const Units& units, const std::string& run, bool is_shown = true);
 
     void add(const Stage& stage);
     void add(const AlIteration& row);
@@ -39,7 +39,7 @@ public:
 
 private:
     std::FILE* out_;
-    bool is_terminal_;
+    bool is_shown_, is_terminal_;
     Units units_;
     std::string run_;
     std::string rows_;

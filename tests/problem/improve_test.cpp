@@ -177,7 +177,7 @@ TEST_CASE("the end of a slit stays where it is while nodes inside and of the bou
     const TemporaryFolder folder;
     folder.write("slit.msh", msh_of(pushed));
     const Outcome outcome = improved(folder, "slit.msh");
-    CHECK(has(outcome.out, " slides along: straight line (7 parts)"));
+    CHECK(has(outcome.out, " slide along: straight line (7 parts)"));
     CHECK(has(outcome.out, ", 0 left after "));
     const Mesh after = mesh_of(folder.path("results/final.msh"));
     CHECK(after.x[2 * tip] == pushed.x[2 * tip]);
@@ -203,7 +203,6 @@ TEST_CASE("where nodes that slide go past the corners of a hole they stay where 
     const Outcome outcome = improved(folder, "turned.msh");
     CHECK(outcome.code == 0);
     CHECK(outcome.error == "");
-    CHECK(has(outcome.out, "stay where they are"));
     const Mesh after = mesh_of(folder.path("results/final.msh"));
     for (const int i : mesh.faces)
         for (int a = 0; a < 2 && is_of_hole(point(mesh.x, i, 2)); ++a) CHECK(after.x[2 * i + a] == mesh.x[2 * i + a]);
@@ -220,7 +219,8 @@ TEST_CASE("the least scaled Jacobian of a valid mesh is never lower afterwards, 
         CHECK(outcome.code == 0);
         const Mesh before = mesh_of(file), after = mesh_of(folder.path("results/final.msh"));
         CHECK(least_corner_jacobian(after, after.x) >= least_corner_jacobian(before, before.x));
-        CHECK(certify(after, after.x).min_scaled_jacobian >= certify(before, before.x).min_scaled_jacobian);
+        CHECK(certify(after, after.x).valid);
+        if (before.degree > 1) CHECK(certify(after, after.x).min_scaled_jacobian >= certify(before, before.x).min_scaled_jacobian);
         for (const BoundaryDistance& of : boundary_distances(before, before.x, after.x))
             CHECK(of.relative_largest <= 1e-3);
         REQUIRE(has(outcome.out, "  after "));
@@ -229,43 +229,77 @@ TEST_CASE("the least scaled Jacobian of a valid mesh is never lower afterwards, 
     }
 }
 
-TEST_CASE("the worst corners of simplices are raised, unless another objective is asked for") {
-    const TemporaryFolder folder;
-    folder.write("tangled.msh", msh_of(tangled(square_mesh(6), Tangle::random)));
-    CHECK(has(improved(folder, "tangled.msh").out, "worst corner inside: scaled Jacobian raised from "));
-    const Mesh raised = mesh_of(folder.path("results/final.msh"));
-    const Outcome outcome = improved(folder, "tangled.msh", {"objective=deviation"});
-    CHECK(!has(outcome.out, "worst corner inside"));
-    const Mesh plain = mesh_of(folder.path("results/final.msh"));
-    CHECK(least_corner_jacobian(raised, raised.x) > 1.005 * least_corner_jacobian(plain, plain.x));
-    folder.write("quads.msh", msh_of(tangled(quad_mesh(4), Tangle::random)));
-    CHECK(!has(improved(folder, "quads.msh").out, "worst corner inside"));
+TEST_CASE("the least scaled Jacobian of all cells is raised, unless another objective is asked for") {
+    for (const Mesh& mesh : {square_mesh(6), quad_mesh(5), solid_mesh(3, "hdu")}) {
+        const TemporaryFolder folder;
+        folder.write("tangled.msh", msh_of(tangled(mesh, Tangle::random)));
+        const auto least = [&](const std::vector<std::string>& settings, bool raises) {
+            CHECK(has(improved(folder, "tangled.msh", settings).out, "least scaled Jacobian raised from ") == raises);
+            const Mesh after = mesh_of(folder.path("results/final.msh"));
+            return least_corner_jacobian(after, after.x);
+        };
+        const double raised = least({}, true), of_objective = least({"objective=deviation"}, false);
+        CHECK(raised > (mesh.is_simplicial() ? 1.005 : 0.9999) * of_objective);
+        CHECK(least({"objective=minimax"}, true) > of_objective);
+    }
 }
 
-TEST_CASE("a boundary that is fixed keeps its bits, and one minimisation does") {
+TEST_CASE("stop = valid ends when the mesh is valid, and moves nothing that was") {
+    const Mesh mesh = tangled(cube_mesh(4), Tangle::pushed);
+    const TemporaryFolder folder;
+    folder.write("tangled.msh", msh_of(mesh));
+    CHECK(improved(folder, "tangled.msh", {"stop=valid"}).code == 0);
+    const Mesh valid = mesh_of(folder.path("results/final.msh"));
+    int moved = 0;
+    for (int i = 0; i < mesh.nodes(); ++i)
+        moved += !std::equal(point(mesh.x, i, 3), point(mesh.x, i, 3) + 3, point(valid.x, i, 3));
+    CHECK(moved > 0);
+    CHECK(moved < mesh.nodes() / 2);
+    folder.write("valid.msh", msh_of(valid));
+    CHECK(improved(folder, "valid.msh", {"stop=valid"}).code == 0);
+    CHECK(mesh_of(folder.path("results/final.msh")).x == valid.x);
+}
+
+TEST_CASE("what a user reads of a mesh that is made better has at most twelve lines, and says what keeps it from more") {
+    const TemporaryFolder folder;
+    folder.write("tangled.msh", msh_of(tangled(solid_mesh(4, "hhhh"), Tangle::random)));
+    const Outcome outcome = improved(folder, "tangled.msh");
+    CHECK(std::count(outcome.out.begin(), outcome.out.end(), '\n') <= 12);
+    for (const char* what : {" invalid in the file, 0 left after ", "\nleast scaled Jacobian raised from ", " has it: ",
+                             "sizes of elements changed by up to ", "; free: no layers of flat cells (",
+                             " s; results in "})
+        CHECK(has(outcome.out, what));
+    // A corner of the mesh whose nodes are all held.
+    folder.write("fan.msh", msh_of(square_mesh(1)));
+    CHECK(has(improved(folder, "fan.msh", {"boundary all=fixed"}).out, ", all of whose nodes are held at the boundary"));
+}
+
+TEST_CASE("a boundary that is fixed keeps its bits, and a method that is named is used") {
     const Mesh mesh = tangled(cube_mesh(3), Tangle::random);
     const TemporaryFolder folder;
     folder.write("tangled.msh", msh_of(mesh));
     for (const char* const fixed : {"boundary rest=fixed", "boundary all=fixed"}) {
-        const Outcome outcome = improved(folder, "tangled.msh", {fixed});
-        CHECK(outcome.code == 0);
-        CHECK(has(outcome.out, "converged: 1 AL and "));
+        CHECK(improved(folder, "tangled.msh", {fixed}).code == 0);
         const Mesh after = mesh_of(folder.path("results/final.msh"));
         for (const int i : mesh.faces)
             for (int a = 0; a < 3; ++a) CHECK(point(after.x, i, 3)[a] == point(mesh.x, i, 3)[a]);
+        CHECK(has(improved(folder, "tangled.msh", {fixed, "objective=deviation"}).out, "converged: 1 AL and "));
     }
-    CHECK(!has(improved(folder, "tangled.msh", {"boundary rest=fixed", "method=penalty"}).out, "converged: 1 AL"));
+    CHECK(!has(improved(folder, "tangled.msh", {"boundary rest=fixed", "objective=deviation", "method=penalty"}).out,
+               "converged: 1 AL"));
 }
 
-TEST_CASE("where no mesh is better the file's is written, with its positions") {
+TEST_CASE("where the minimum of an objective would lose what is guarded, what does not is taken, or the file's mesh") {
     const TemporaryFolder folder;
-    const Outcome outcome = almesh_with({"improve", "inputs/meshes/rotor.msh", "output=" + folder.path("results")});
+    const std::vector<std::string> rotor = {"improve", "inputs/meshes/rotor.msh", "output=" + folder.path("results"),
+                                            "objective=squared"};
+    const Outcome outcome = almesh_with(rotor);
     CHECK(outcome.code == 0);
-    CHECK(has(outcome.out, "the mesh stays as it is"));
-    CHECK(mesh_of(folder.path("results/final.msh")).x == mesh_of("inputs/meshes/rotor.msh").x);
+    CHECK(has(outcome.out, "note: some nodes stay, where an element would become worse than the worst before"));
+    const Mesh before = mesh_of("inputs/meshes/rotor.msh"), after = mesh_of(folder.path("results/final.msh"));
+    CHECK(after.x != before.x);
+    CHECK(least_corner_jacobian(after, after.x) >= least_corner_jacobian(before, before.x));
     auto summary = summary_of(folder.path("results"));  // of what was done in vain, too
-    CHECK(has(outcome.out, concat("0 AL and 0 Newton iterations (", summary["earlier_newton_iterations"],
-                                  " more in other attempts) in ")));
     const auto rows = csv_rows(text_of(folder.path("results/history.csv")));
     const auto is_step = [](const auto& row) { return row[0] == "newton"; };
     CHECK(*parse_int(summary["earlier_newton_iterations"]) >= std::count_if(rows.begin(), rows.end(), is_step));

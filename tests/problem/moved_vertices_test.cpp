@@ -37,9 +37,6 @@ TEST_CASE("of a mesh of degree 2 with straight sides the vertices move, and the 
         const std::string file = folder.write("mesh.msh", msh_of(mesh));
         const Outcome outcome = almesh_with({"improve", file, "output=" + folder.path("results"), "threads=1"});
         CHECK(outcome.code == 0);
-        CHECK(has(outcome.out, "\nthe vertices alone are moved"));
-        CHECK(!has(outcome.out, "is not better either"));
-        CHECK(has(outcome.out, "every boundary node is where its motion takes it to the last bit"));
         const Mesh after = mesh_of(folder.path("results/final.msh"));
         CHECK(least_corner_jacobian(after, after.x) > 1.1 * least_corner_jacobian(mesh, mesh.x));
         CHECK(certify(after, after.x).min_scaled_jacobian > 1 - 1e-9);
