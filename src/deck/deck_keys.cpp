@@ -161,7 +161,7 @@ const std::vector<DeckKey>& deck_keys() {
          "What is minimised. squared: the integral of eta^2, as in the paper's tables; deviation: that of (eta - "
          "1)^2, its Eq. 5; size_shape: as deviation with eta (sigma + 1/sigma)/2 in place of eta, sigma = det F, so "
          "that elements keep their sizes too; minimax: powers of eta - 1 that rise in the run, for the best worst "
-         "element; almesh improve takes the better mesh of powers up to 8 and up to 64."},
+         "element. Where it is given, almesh improve minimises it; else it raises the least scaled Jacobian."},
         {"power", number<&Deck::power>({2, 128}),
          "Exponent of eta (objective = squared) or of eta - 1; auto: 2. With objective = minimax it is the last "
          "exponent; auto: 64, or less where the largest eta no longer decreases."},

@@ -155,7 +155,8 @@ public:
         const bool minimises = !stays || setup_.needs_objective || mesh.degree > 1;
         Solution solution = at(x);
         if (setup_.stops_valid || interrupted()) return solution;
-        const ImprovementGuard guard(setup_, problem_, x);
+        const bool was_valid = problem_.infeasible.empty() && invalid_elements(problem_, mesh.x).empty();
+        const ImprovementGuard guard(setup_, problem_, was_valid ? mesh.x : x);  // x: of a run that goes on, too
         if (minimises) solution = minimised(x, stays ? &guard : nullptr);
         if (!stays || solution.al.status != Status::converged) return solution;
         if (mesh.degree == 1 && (!setup_.needs_objective || setup_.distortion.objective == Objective::minimax))
