@@ -7,6 +7,7 @@
 #include "base/table.hpp"
 #include "check/certificate.hpp"
 #include "check/scaled_jacobian.hpp"
+#include "constraint/sliding_nodes.hpp"
 #include "geometry/patch.hpp"
 #include "problem/corner_smoothing.hpp"
 #include "problem/kept_surface.hpp"
@@ -15,6 +16,7 @@ namespace almesh {
 namespace {
 
 constexpr double usual_change = 0.2;  // of sizes that are meant
+constexpr double flat_simplex = 0.2;  // part of the size of a regular one with its longest edge
 constexpr int attempts = 20;
 
 double area(const Mesh& mesh, const std::vector<double>& x, int f) {
@@ -45,6 +47,13 @@ ImprovementGuard::ImprovementGuard(const ProblemOptions& options, const Problem&
     for (int e = 0; e < mesh_.element_count(); ++e)
         if (is_feasible(e)) least_ = std::min(least_, values[e]);
     find_layers();
+    for (int e = 0; e < mesh_.element_count(); ++e) {
+        double longest = 0;
+        for (const auto& [i, j] : mesh_.cell(e).edges)
+            longest = std::max(longest, length(at_node(x, mesh_.element(e)[i], mesh_.dim) -
+                                               at_node(x, mesh_.element(e)[j], mesh_.dim)));
+        is_flat_.push_back(mesh_.cell(e).is_simplex() && size_[e] < flat_simplex * std::pow(longest, mesh_.dim));
+    }
     const bool has_layers = std::find(has_layers_.begin(), has_layers_.end(), 1) != has_layers_.end();
     size_change_ = options.size_change.value_or(has_layers ? usual_change : 0);
     if (options.size_change) has_layers_.assign(has_layers_.size(), has_layers && size_change_ > 0);
@@ -79,7 +88,19 @@ void ImprovementGuard::find_layers() {
 }
 
 std::vector<char> ImprovementGuard::on_layers() const {
-    return nodes_with(mesh_, [&](int f, std::size_t) { return size_change_ > 0 && has_layers_[mesh_.face_boundary[f]]; });
+    std::vector<char> on =
+        nodes_with(mesh_, [&](int f, std::size_t) { return size_change_ > 0 && has_layers_[mesh_.face_boundary[f]]; });
+    for (bool grows = size_change_ > 0; grows;) {
+        grows = false;
+        for (int e = 0; e < mesh_.element_count(); ++e) {
+            const int *const nodes = mesh_.element(e), *const end = nodes + mesh_.element_nodes(e);
+            const auto is_on = [&](int i) { return on[i] != 0; };
+            if (!is_flat_[e] || std::none_of(nodes, end, is_on) || std::all_of(nodes, end, is_on)) continue;
+            std::for_each(nodes, end, [&](int i) { on[i] = 1; });
+            grows = true;
+        }
+    }
+    return on;
 }
 
 bool ImprovementGuard::take(const std::vector<double>& from, std::vector<double>& to, Surface surface) const {
@@ -153,7 +174,7 @@ std::string ImprovementGuard::least_text(const std::vector<double>& from, const 
     }
     if (held >= 0 && (least < 0 || s[held] < s[least]))
         text += concat(text.empty() ? "" : "; ", rounded_down(s[held], 4), " in ", element(held),
-                       ", all of whose nodes are held at the boundary");
+                       ", all of whose nodes are held");
     return text;
 }
 

@@ -2,7 +2,8 @@
 // surface of the file and, where they are meant, the sizes of elements.
 //
 // Sizes are meant where a boundary has layers of flat cells: in the middle (median) over its faces, the volume of the
-// cell behind, over the area of the face, is below flat_cells of the face's own size. Nodes of such a boundary stay.
+// cell behind, over the area of the face, is below flat_cells of the face's own size. Nodes of such a boundary stay,
+// and of layers of triangles and tetrahedra.
 #pragma once
 #include <string>
 #include <vector>
@@ -22,7 +23,8 @@ public:
     // anything is left; then all that is guarded is kept. The surface takes as long to measure as a hundred steps.
     enum class Surface { is_not_measured, is_measured };
     bool take(const std::vector<double>& from, std::vector<double>& to, Surface surface = Surface::is_measured) const;
-    // Per node: whether it is on a boundary with layers.
+    // Per node: whether it is on a boundary with layers, or of flat triangles or tetrahedra on these, which are as they
+    // are meant to be although their scaled Jacobian is small.
     std::vector<char> on_layers() const;
     double size_change() const { return size_change_; }  // 0: sizes are free
 
@@ -38,6 +40,7 @@ private:
     const Mesh& mesh_;
     std::vector<double> size_, height_;  // of elements, and of those at faces
     std::vector<char> has_layers_;       // per boundary
+    std::vector<char> is_flat_;          // per element: a flat triangle or tetrahedron
     double size_change_ = 0, least_;
 
     bool is_feasible(int e) const;
