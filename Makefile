@@ -25,7 +25,7 @@ OBJECTS   := $(SOURCES:%.cpp=$(BUILD)/%.o)
 # function that is not inlined the linker takes the first object's: an optimised one.
 HOT       := linalg/% energy/% geometry/% check/certificate.o problem/corner_smoothing.o \
              $(addprefix constraint/,dirichlet.o sliding%.o surface.o quadric.o mesh_surface.o height_patch.o) \
-             $(addprefix method/,newton.o line_search.o local_%.o)
+             $(addprefix method/,newton.o line_search.o local_%.o lbfgs.o)
 COMPUTING := $(filter $(addprefix $(BUILD)/src/,$(HOT)),$(OBJECTS))
 WAITING   := $(filter-out $(COMPUTING),$(OBJECTS))
 LIBRARY   := $(filter-out $(BUILD)/src/main.o,$(COMPUTING) $(WAITING))

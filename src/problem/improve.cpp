@@ -124,19 +124,6 @@ void count_infeasible(const ProblemOptions& options, Problem& problem, Solution&
     why.swap(problem.infeasible);
 }
 
-// A boundary on its target without sliding nodes needs no multipliers, which saves half of the Newton steps.
-ProblemOptions with_boundary_set(const ProblemOptions& options, const Problem& problem) {
-    const auto is_set = [&](const Motion& motion) {
-        return is_fixed(motion) || (motion == motion_of(NodeKind::slides) && !problem.sliding);
-    };
-    ProblemOptions set = options;
-    if (std::all_of(problem.motions.begin(), problem.motions.end(), is_set) &&
-        options.distortion.objective != Objective::minimax &&
-        options.method.moving == MovingMethod::augmented_lagrangian)
-        set.method.moving = MovingMethod::boundary_set;
-    return set;
-}
-
 // One mesh, made valid and then better.
 class Improvement {
 public:
@@ -201,23 +188,15 @@ private:
     // The distortion relative to the ideal elements minimised, from x on. guard: of a mesh that may also stay at x, where
     // nodes that lose what is guarded stay; null for others.
     Solution minimised(const std::vector<double>& x, const ImprovementGuard* guard) {
-        const auto minimise = [&] {
-            const ProblemOptions settings = with_boundary_set(setup_, problem_);
-            Solution found = solve_(settings, problem_);
-            for (int attempt = 0; found.al.status == Status::converged &&
-                                  hold_faces_off_surface(settings, problem_, found.x, attempt, out_); ++attempt)
-                found = solve_(settings, problem_);
-            return found;
-        };
         const auto fails = [&](const Solution& solution) {
             return guard && !interrupted() &&
                    !(solution.al.status == Status::converged && is_certified(problem_, solution.x));
         };
-        Solution solution = minimise();
+        Solution solution = solve_(setup_, problem_);
         if (problem_.sliding && fails(solution) && is_certified(problem_, x)) {
             print(out_, "note: no valid mesh was found with nodes that slide: the boundary stays as it is\n");
             fix_boundary(problem_, x);
-            solution = minimise();
+            solution = solve_(setup_, problem_);
         }
         if (!guard || interrupted() || solution.x == x) return solution;
         std::vector<double> to = solution.x;

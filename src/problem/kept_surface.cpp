@@ -121,24 +121,6 @@ void fix_boundary(Problem& problem, const std::vector<double>& x) {
     problem.sliding = nullptr;
 }
 
-bool hold_faces_off_surface(const ProblemOptions& options, Problem& problem, const std::vector<double>& x, int attempt,
-                            std::FILE* out) {
-    constexpr int attempts = 2;  // before all nodes stay
-    const Mesh& mesh = problem.mesh();
-    const std::vector<double> distance = distances_from_surface(problem, x);
-    std::vector<char> off, boundary(problem.motions.size(), 0);
-    for (std::size_t f = 0; f < distance.size(); ++f) {
-        off.push_back(distance[f] > options.surface_tolerance);
-        if (off[f]) boundary[mesh.face_boundary[f]] = 1;
-    }
-    for (std::size_t f = 0; f < off.size() && attempt == attempts; ++f) off[f] = boundary[mesh.face_boundary[f]];
-    const int count = hold(problem, nodes_of_faces(mesh, off));
-    if (count > 0)
-        print(out, "note: faces were off the surface by up to ", to_text(largest(distance), 2), " of an edge: ",
-              counted(count, "boundary node"), " more stay where they are\n");
-    return count > 0;
-}
-
 double surface_distance(const Problem& problem, const std::vector<double>& x) {
     return largest(distances_from_surface(problem, x));
 }

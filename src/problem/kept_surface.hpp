@@ -4,8 +4,8 @@
 //
 // A node that slides along a round body takes its flat faces farther than that off those of the file. So nodes of faces
 // that are beyond the tolerance from the surface along which they slide are fixed from the beginning, and so are named
-// points and curves on the boundary. If faces of a solution are still off, their nodes are fixed too, and the problem
-// is solved again; the third time all nodes of these boundaries are fixed.
+// points and curves on the boundary. If faces of a mesh that is made better are still off, their nodes go back
+// (improvement_guard.hpp).
 #pragma once
 #include <cstdio>
 
@@ -22,11 +22,6 @@ void hold_curved_faces(const ProblemOptions& options, Problem& problem, const st
 // Makes x the target of boundary nodes that have moved since `from`; fix_boundary() fixes all boundary nodes at x.
 void take_along_target(Problem& problem, const std::vector<double>& from, const std::vector<double>& x);
 void fix_boundary(Problem& problem, const std::vector<double>& x);
-
-// Whether faces are off the surface at x, the solution of this attempt, from 0, whose nodes stay where they are from
-// here on.
-bool hold_faces_off_surface(const ProblemOptions& options, Problem& problem, const std::vector<double>& x, int attempt,
-                            std::FILE* out);
 
 // Distances of the boundaries that stay, both ways, in units of the local edge: per face, or none; and the largest.
 std::vector<double> distances_from_surface(const Problem& problem, const std::vector<double>& x);
