@@ -150,8 +150,8 @@ AlObserver observer_of(const Observer& observe, const Units& units) {
 Verdict verdict_of(const Mesh& mesh, const Certificate& certificate, const Injectivity& injectivity,
                    const Frame& frame) {
     Verdict verdict{certificate.valid, injectivity.certified, certificate.undecided, {}, {}};
-    verdict.lower_bound = by_id(mesh.file.element_id, certificate.lower_bound, 1,
-                                std::vector<double>(certificate.lower_bound.size()));
+    verdict.certified_bound = by_id(mesh.file.element_id, certificate.certified_bound, 1,
+                                std::vector<double>(certificate.certified_bound.size()));
     if (!certificate.valid) verdict.reason = counts_of(certificate);
     else if (!injectivity.certified) verdict.reason = overlap_text(mesh, injectivity, frame);
     return verdict;

@@ -77,7 +77,7 @@ struct Verdict {
     bool valid = false;              // det J > 0 everywhere in every element
     bool injective = false;          // and no two elements overlap
     int undecided = 0;               // elements proved neither valid nor invalid
-    std::vector<double> lower_bound; // per element, of its scaled Jacobian: 1 for a straight simplex
+    std::vector<double> certified_bound;  // per element, below det J over that of the straight one: 1 for a simplex
     std::string reason;              // why one of them fails; empty if both hold
 };
 

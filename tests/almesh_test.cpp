@@ -93,7 +93,7 @@ TEST_CASE("a rigid motion of all sides moves every node of arrays of several cel
                 std::copy_n(to.begin(), dim, &expected[i]);
             }
             CHECK(largest_difference(moved.x, expected) < 1e-5);  // (eta - 1)^2 is flat around a rigid motion
-            CHECK(moved.verdict.lower_bound.size() == (dim == 2 ? 6 : 12));
+            CHECK(moved.verdict.certified_bound.size() == (dim == 2 ? 6 : 12));
         }
 }
 
@@ -147,7 +147,7 @@ TEST_CASE("a mesh is the same whatever was moved before, and follows back to whe
     const Moved back = mesh.follow(first, 0.5);
     CHECK(largest_difference(back.x, half.x) < 1e-5);
     CHECK(mesh.certify(back.x).valid);
-    CHECK(mesh.certify(back.x).lower_bound == back.verdict.lower_bound);
+    CHECK(mesh.certify(back.x).certified_bound == back.verdict.certified_bound);
     mesh.set("outer", Boundary::fixed());  // another kind of boundary
     CHECK(mesh.move().max_distortion > first.max_distortion);
 }
@@ -205,7 +205,7 @@ TEST_CASE("a certificate of arrays: inverted between its nodes, overlapping, und
     const Verdict inverted = certify(curved);
     CHECK(!inverted.valid);
     CHECK(inverted.reason.find("invalid") != std::string::npos);
-    CHECK(*std::min_element(inverted.lower_bound.begin(), inverted.lower_bound.end()) < 0);
+    CHECK(*std::min_element(inverted.certified_bound.begin(), inverted.certified_bound.end()) < 0);
 }
 
 TEST_CASE("arrays and boundaries that are wrong are refused with what, where and what to do") {

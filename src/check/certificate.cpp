@@ -14,9 +14,9 @@ namespace almesh {
 namespace {
 
 constexpr double element_work = 500;   // simple operations for one element, at least
-constexpr double plainly_valid = 0.1;  // scaled Jacobian
+constexpr double plainly_valid = 0.1;  // scaled determinant
 
-// Of the scaled Jacobian: lower <= minimum <= upper. upper <= 0 proves the element invalid.
+// Of the scaled determinant: lower <= minimum <= upper. upper <= 0 proves the element invalid.
 struct Bounds {
     double lower, upper;
 };
@@ -35,7 +35,7 @@ struct GroupBounds {
     void bound(const std::vector<int>& elements, bool sharp) {
         if (cell.is_simplex() && mesh.degree == 1)
             return parallel_for(static_cast<int>(elements.size()), [&](int k) {
-                const double value = straight_scaled_jacobian<n>(mesh.element(elements[k]), x);
+                const double value = straight_scaled_determinant<n>(mesh.element(elements[k]), x);
                 bounds[elements[k]] = {value, value};
             }, element_work);
         const int count = static_cast<int>(elements.size());
@@ -131,7 +131,7 @@ Certificate certify(const Mesh& mesh, const std::vector<double>& x, const Certif
     std::vector<Bounds> bounds(mesh.element_count());
     with_dimension(mesh.dim, [&](auto n) { bound_all<n()>(mesh, x, params, bounds); });
     Certificate certificate{1, true, 0, {}, {}};
-    std::vector<double>& lower = certificate.lower_bound;
+    std::vector<double>& lower = certificate.certified_bound;
     std::vector<int>& uncertified = certificate.uncertified;
     for (int e = 0; e < mesh.element_count(); ++e) {
         lower.push_back(bounds[e].lower);
@@ -139,7 +139,7 @@ Certificate certify(const Mesh& mesh, const std::vector<double>& x, const Certif
         uncertified.push_back(e);
         certificate.undecided += bounds[e].upper > 0;
     }
-    if (!lower.empty()) certificate.min_scaled_jacobian = *std::min_element(lower.begin(), lower.end());
+    if (!lower.empty()) certificate.min_certified_bound = *std::min_element(lower.begin(), lower.end());
     certificate.valid = uncertified.empty();
     std::stable_sort(uncertified.begin(), uncertified.end(), [&](int a, int b) { return lower[a] < lower[b]; });
     return certificate;

@@ -110,9 +110,9 @@ Diagnosis most_distorted(const LastMesh& last) {
     return at_element(last, DiagnosisKind::distorted, static_cast<int>(largest - last.distortion.begin()));
 }
 
-Diagnosis least_valid(const LastMesh& last, const std::vector<double>& scaled_jacobian) {
-    const auto least = std::min_element(scaled_jacobian.begin(), scaled_jacobian.end());
-    return at_element(last, DiagnosisKind::invalid, static_cast<int>(least - scaled_jacobian.begin()));
+Diagnosis least_valid(const LastMesh& last, const std::vector<double>& bound) {
+    const auto least = std::min_element(bound.begin(), bound.end());
+    return at_element(last, DiagnosisKind::invalid, static_cast<int>(least - bound.begin()));
 }
 
 Diagnosis overlapping(const LastMesh& last, const Injectivity& found) {

@@ -4,7 +4,7 @@
 //   off_target  the boundary node farthest from its target, in heights of the cells at it
 //   unbalanced  the node with the largest part of |grad E|
 //   distorted   the element with the largest distortion
-//   invalid     the element with the lowest bound of the scaled Jacobian
+//   invalid     the element with the lowest certified bound
 //   overlap     the node that its elements go around more than once, or a face at which the boundary crosses itself
 //
 // Cost: O(nodes + elements), little beside one evaluation of the energy.
@@ -53,7 +53,7 @@ struct LastMesh {
 Diagnosis farthest_off_target(const LastMesh& last);  // kind none where every node is at its target
 Diagnosis least_balanced(const LastMesh& last, const std::vector<double>& gradient);  // nodes x dim; none where zero
 Diagnosis most_distorted(const LastMesh& last);
-Diagnosis least_valid(const LastMesh& last, const std::vector<double>& scaled_jacobian);  // lower bound per element
+Diagnosis least_valid(const LastMesh& last, const std::vector<double>& bound);  // certified, per element
 Diagnosis overlapping(const LastMesh& last, const Injectivity& found);  // none where that has no position
 
 // The elements within some rings around the diagnosis: those with a node of it, those with a node of these, and so on;

@@ -101,9 +101,9 @@ Infeasible find_infeasible(const Mesh& mesh, const std::vector<double>& ideal, c
     if (!mesh.is_simplicial()) {
         std::vector<double> before(mesh.element_count(), bound);  // where a corner is nearly flat
         for (const InfeasibleElement& of : infeasible_elements(mesh, ideal, prescribed, bound))
-            before[of.element] = of.scaled_jacobian;
+            before[of.element] = of.scaled_determinant;
         std::erase_if(found.elements, [&](const InfeasibleElement& of) {
-            const double value = of.scaled_jacobian, of_ideal = before[of.element];
+            const double value = of.scaled_determinant, of_ideal = before[of.element];
             return value > 0 && of_ideal < bound && value >= 0.5 * of_ideal;
         });
     }
@@ -143,10 +143,9 @@ std::string describe(const Mesh& mesh, const Infeasible& infeasible) {
     for (const TargetReport::Fault& fault : infeasible.faces.faults) add(fault.why);
     for (const InfeasibleElement& of : infeasible.elements) {
         const Vec<3> c = element_centre(mesh, mesh.x, of.element);
-        std::string line = concat(mesh.cell(of.element).name, " ", mesh.file.element_id[of.element], " at ",
-                                  position_text(c.data(), mesh.dim), ": its boundary nodes make its scaled Jacobian ");
-        append(line, of.scaled_jacobian, 4);
-        add(line + ", wherever the nodes inside are");
+        add(concat(mesh.cell(of.element).name, " ", mesh.file.element_id[of.element], " at ",
+                   position_text(c.data(), mesh.dim), ": its boundary nodes make its scaled determinant ",
+                   to_text(of.scaled_determinant, 4), ", wherever the nodes inside are"));
     }
     return lines > shown ? text + "\n  ..." : text;
 }
@@ -179,17 +178,19 @@ std::vector<char> nodes_to_free(const Mesh& mesh, const BoundaryTarget& target, 
     return freed;
 }
 
-InvalidElements list_invalid(const Mesh& mesh, const std::vector<int>& elements, const std::vector<double>& x,
-                             const std::vector<double>& scaled_jacobian, const std::vector<std::string>& why) {
-    InvalidElements list{static_cast<int>(elements.size()), "element,x,y,z,scaled_jacobian,reason\n", ""};
+ElementList list_elements(const Mesh& mesh, const std::vector<int>& elements, const std::vector<double>& x,
+                          const std::vector<double>& value, const std::vector<std::string>& more, std::string name) {
+    ElementList list{static_cast<int>(elements.size()), "", concat(" (id, centre, ", name, "):")};
+    std::replace(name.begin(), name.end(), ' ', '_');
+    list.csv = concat("element,x,y,z,", name, ",reason\n");
     for (std::size_t k = 0; k < elements.size(); ++k) {
         const int e = elements[k];
         const Vec<3> at = element_centre(mesh, x, e);
-        const std::string reason = why.empty() ? "" : why[e];
-        list.csv += csv_row({mesh.file.element_id[e], at[0], at[1], at[2], scaled_jacobian[e], sentence(reason)});
+        const std::string reason = more.empty() ? "" : more[e];
+        list.csv += csv_row({mesh.file.element_id[e], at[0], at[1], at[2], value[e], sentence(reason)});
         if (k < shown)
             list.first += concat("\n  ", mesh.file.element_id[e], "  ", position_text(at.data(), mesh.dim), "  ",
-                                 rounded_down(scaled_jacobian[e], 4), reason.empty() ? "" : "  ", reason);
+                                 rounded_down(value[e], 4), reason.empty() ? "" : "  ", reason);
     }
     return list;
 }

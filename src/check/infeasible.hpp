@@ -21,21 +21,21 @@ class Constraint;
 struct Mesh;
 class SlidingSurfaces;
 
-constexpr double flat_jacobian = 1e-12;  // a scaled Jacobian that may be zero
+constexpr double flat_jacobian = 1e-12;  // a scaled determinant that may be zero
 
 struct InfeasibleElement {
     int element;
-    double scaled_jacobian;  // a value that it has somewhere, at most the bound: det J over |det J| of the straight
-                             // element of its vertices; 0 where that has no volume. At a corner of a cell that is no
-                             // simplex over the lengths of the tangents
-    bool by_curvature;       // the straight element is valid
+    double scaled_determinant;  // a value that it has somewhere, at most the bound: det J over |det J| of the straight
+                                // element of its vertices; 0 where that has no volume. At a corner of a cell that is
+                                // no simplex over the lengths of the tangents
+    bool by_curvature;          // the straight element is valid
     bool sliding_may_help = false;  // by_curvature, or not between two faces, whose angle is that of the surface
     bool division_helps = false;    // by nodes on its inner_simplices()
 };
 
-// Elements, ascending, whose scaled Jacobian is at most `bound` at a point where the held nodes determine it; the flags
-// of what may help are not set. x: node_count x dim. held: per node. Cost: O(elements), and for those all of whose
-// vertices are held what check/certificate takes.
+// Elements, ascending, whose scaled determinant is at most `bound` at a point where the held nodes determine it; the
+// flags of what may help are not set. x: node_count x dim. held: per node. Cost: O(elements), and for those all of
+// whose vertices are held what check/certificate takes.
 std::vector<InfeasibleElement> infeasible_elements(const Mesh& mesh, const std::vector<double>& x,
                                                    const std::vector<char>& held, double bound = 0);
 
@@ -49,10 +49,10 @@ struct Infeasible {
     bool division_helps() const;    // in all elements
 };
 
-// The faces that the target makes invalid, and the elements whose scaled Jacobian it makes at most `bound`: with 0 no
-// valid mesh reaches the target, with a little more no useful one does. Cells other than simplices that are below the
-// bound in the ideal mesh already, and keep half of their value, are left out. Faces whose positions the target leaves
-// open, because they slide or are free, are passed over. ideal: node_count x dim.
+// The faces that the target makes invalid, and the elements whose scaled determinant it makes at most `bound`: with 0
+// no valid mesh reaches the target, with a little more no useful one does. Cells other than simplices that are below
+// the bound in the ideal mesh already, and keep half of their value, are left out. Faces whose positions the target
+// leaves open, because they slide or are free, are passed over. ideal: node_count x dim.
 Infeasible find_infeasible(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target,
                            double bound = 0);
 
@@ -72,15 +72,16 @@ std::vector<int> elements_of(const Mesh& mesh, const Infeasible& infeasible);
 // itself be a vertex of an infeasible face or element.
 std::vector<char> nodes_to_free(const Mesh& mesh, const BoundaryTarget& target, const Infeasible& infeasible);
 
-// Elements that are not valid, for a user: all of them as text for the file invalid.csv, and the first ten.
-struct InvalidElements {
+// Elements for a user, mostly those that are not valid.
+struct ElementList {
     int count = 0;
-    std::string csv, first;  // first: a line each, with its id, centre, and scaled Jacobian >=
+    std::string csv, first;  // all, for invalid.csv; the first ten, a line each below " (id, centre, NAME):"
 };
 
-// elements: in the order in which they are listed. x: node_count x dim in units of the file. scaled_jacobian: per
-// element. why: as of why_infeasible(); or empty.
-InvalidElements list_invalid(const Mesh& mesh, const std::vector<int>& elements, const std::vector<double>& x,
-                             const std::vector<double>& scaled_jacobian, const std::vector<std::string>& why = {});
+// elements: in the order in which they are listed. x: node_count x dim in units of the file. value: per element. more:
+// what follows it, as of why_infeasible(); or empty.
+ElementList list_elements(const Mesh& mesh, const std::vector<int>& elements, const std::vector<double>& x,
+                          const std::vector<double>& value, const std::vector<std::string>& more = {},
+                          std::string name = "certified bound");
 
 }  // namespace almesh

@@ -145,12 +145,12 @@ std::vector<InfeasibleElement> infeasible_elements(const Mesh& mesh, const std::
                 value[e] = value_at_corners<n>(basis, node, x, held, bound);
             else if (std::all_of(node, node + n + 1, [&](int i) { return held[i]; }))
                 value[e] = table ? value_of_curved<n>(*table, node, x, held, bound)
-                                 : up_to(bound, straight_scaled_jacobian<n>(node, x));
+                                 : up_to(bound, straight_scaled_determinant<n>(node, x));
         }, element_work);
         for (int e = 0; e < mesh.element_count(); ++e)
             if (value[e])
                 found.push_back({e, *value[e],
-                                 mesh.cell(e).is_simplex() && straight_scaled_jacobian<n>(mesh.element(e), x) > 0});
+                                 mesh.cell(e).is_simplex() && straight_scaled_determinant<n>(mesh.element(e), x) > 0});
     });
     return found;
 }

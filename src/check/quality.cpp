@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "base/parallel.hpp"
 #include "base/table.hpp"
@@ -18,7 +17,6 @@
 namespace almesh {
 namespace {
 
-constexpr std::size_t worst_listed = 10;
 constexpr int bar_length = 50;  // characters of the longest bar
 
 // At the points of the quadrature: inverse Jacobians of the regular cell.
@@ -74,14 +72,6 @@ void measure_edges(const Mesh& mesh, const std::vector<double>& x, QualityStatis
     }
 }
 
-std::vector<int> worst_elements(const std::vector<double>& quality) {
-    std::vector<int> order(quality.size());
-    std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return quality[a] < quality[b]; });
-    order.resize(std::min(order.size(), worst_listed));
-    return order;
-}
-
 }  // namespace
 
 QualityStatistics mesh_quality(const Mesh& mesh, const std::vector<double>& x) {
@@ -92,15 +82,9 @@ QualityStatistics mesh_quality(const Mesh& mesh, const std::vector<double>& x) {
         });
     });
     const std::vector<double>& quality = statistics.quality;
-    const int count = mesh.element_count();
-    statistics.min = count == 0 ? 1 : *std::min_element(quality.begin(), quality.end());
-    statistics.mean = count == 0 ? 1 : deterministic_sum(count, [&](int e) { return quality[e]; }) / count;
-    for (double q : quality) {
-        ++statistics.histogram[std::min(9, static_cast<int>(10 * q))];
-        statistics.inverted += q == 0;
-    }
+    statistics.min = quality.empty() ? 1 : *std::min_element(quality.begin(), quality.end());
+    for (double q : quality) ++statistics.histogram[std::min(9, static_cast<int>(10 * q))];
     measure_edges(mesh, x, statistics);
-    statistics.worst = worst_elements(quality);
     return statistics;
 }
 

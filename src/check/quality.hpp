@@ -13,11 +13,9 @@ struct Mesh;
 
 struct QualityStatistics {
     std::vector<double> quality;     // per element: least 1 / eta at its quadrature points, 0 where inverted
-    double min, mean;                // over the elements
-    int inverted;                    // elements of quality 0
+    double min;                      // over the elements
     std::array<int, 10> histogram;   // elements with quality in [k / 10, (k + 1) / 10), 1 in the last
     double min_edge, max_edge;       // straight distances between vertices
-    std::vector<int> worst;          // at most ten elements, lowest quality first
 };
 
 // x: node_count x dim positions.

@@ -68,7 +68,7 @@ StraightenedMesh straighten_invalid(Mesh mesh, const std::vector<double>& straig
         found.certificate = certify(mesh, x);
         std::vector<int> at_fault;
         for (int e = 0; e < mesh.element_count(); ++e)
-            if (found.certificate.lower_bound[e] <= bound) at_fault.push_back(e);
+            if (found.certificate.certified_bound[e] <= bound) at_fault.push_back(e);
         if (!at_fault.empty() && !found.certificate.valid) return at_fault;
         found.injectivity = certify_curved(mesh, straight, curved, x, found.certificate);
         if (found.injectivity.certified) return at_fault;

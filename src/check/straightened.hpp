@@ -36,8 +36,8 @@ struct StraightenedMesh : Straightened {
     Injectivity injectivity;
 };
 
-// At fault are elements whose scaled Jacobian is not certified to be above the bound, and those that overlap. Cost: a
-// few certificates.
+// At fault are elements whose certified bound is not above this one, and those that overlap. Cost: a few
+// certificates.
 StraightenedMesh straighten_invalid(Mesh mesh, const std::vector<double>& straight, const std::vector<double>& curved,
                                     double bound);
 

@@ -202,8 +202,8 @@ const std::vector<DeckKey>& deck_keys() {
          "Curved meshes whose boundaries are all fixed. 1: only the nodes of elements that are invalid in the mesh file "
          "move, and those of as many elements around them as a valid mesh needs; 0: all nodes; auto: 0 for a small "
          "mesh, else 1."},
-        {"min_scaled_jacobian", number<&Deck::min_scaled_jacobian>({0, 0.5}),
-         "Curved meshes whose boundaries are all fixed: an element whose scaled Jacobian is not above this counts as "
+        {"min_certified_bound", number<&Deck::min_certified_bound>({0, 0.5}),
+         "Curved meshes whose boundaries are all fixed: an element whose certified bound is not above this counts as "
          "invalid."},
         {"feature_angle", number<&Deck::feature_angle>({1, 180}),
          "Angle in degrees. Neighbouring faces of a sliding boundary at this angle or more belong to different "

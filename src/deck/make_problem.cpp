@@ -115,10 +115,10 @@ std::vector<double> read_positions(const Deck& deck, const std::string& key, con
     for (int i = 0; i < mesh.nodes(); ++i)
         std::copy_n(node.at(mesh.file.node_id[i])->x, mesh.dim, point(x, i, mesh.dim));
     problem.frame.take_to_run(x, mesh.dim);
-    const std::vector<double> bound = certify(mesh, x).lower_bound;
+    const std::vector<double> bound = certify(mesh, x).certified_bound;
     const auto worst = std::min_element(bound.begin(), bound.end());
     if (*worst > 0) return x;
-    throw InputError("it is not certified valid: the lower bound for the scaled Jacobian of element ",
+    throw InputError("it is not certified valid: the certified bound of element ",
                      mesh.file.element_id[worst - bound.begin()], " is ", rounded_down(*worst, 3));
 } catch (const InputError& error) {
     throw InputError(deck.given.at(key), ": ", key, " = ", key == "start" ? "" : "mesh ", path, ": ", error.what());
@@ -242,7 +242,7 @@ void identify(const Deck& deck, Problem& problem) {
     problem.level->mesh.file.comment = concat(version(), ", run ", problem.run_id);
 }
 
-std::string write_invalid(const InvalidElements& list, const std::string& folder) {
+std::string write_invalid(const ElementList& list, const std::string& folder) {
     constexpr int shown = 10;
     if (list.count <= shown) return "";
     if (folder.empty()) return "\n  ... (output=FOLDER lists all in FOLDER/invalid.csv)";

@@ -9,7 +9,7 @@
 
 namespace almesh {
 
-struct InvalidElements;
+struct ElementList;
 
 // Throws UsageError or InputError for everything that can be wrong before solving. The level has no energy and no
 // constraint yet.
@@ -30,6 +30,6 @@ void identify(const Deck& deck, Problem& problem);
 
 // Where there are more than ten, writes them all to invalid.csv in the folder, which is made if it is missing; "": to
 // none. Returns a line that says so, else "".
-std::string write_invalid(const InvalidElements& list, const std::string& folder);
+std::string write_invalid(const ElementList& list, const std::string& folder);
 
 }  // namespace almesh

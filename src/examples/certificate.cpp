@@ -23,8 +23,8 @@ int main() {
     bool as_expected = true;
     for (const double pull : {0.0, 0.2, 0.24, 0.26}) {
         const almesh::Verdict verdict = almesh::certify(two_triangles(pull));
-        std::printf("pulled by %.2f: scaled Jacobian >= %.3f and %.3f: %s%s\n", pull, verdict.lower_bound[0],
-                    verdict.lower_bound[1], verdict.valid ? "valid" : "not valid, ", verdict.reason.c_str());
+        std::printf("pulled by %.2f: certified bounds %.3f and %.3f: %s%s\n", pull, verdict.certified_bound[0],
+                    verdict.certified_bound[1], verdict.valid ? "valid" : "not valid, ", verdict.reason.c_str());
         as_expected = as_expected && verdict.valid == (pull < 0.25);
     }
     return as_expected ? 0 : 1;

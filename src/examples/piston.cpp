@@ -44,12 +44,12 @@ int main() {
         return {X[0] + 0.4 * (1 - std::cos(2 * std::numbers::pi * t)), X[1]};
     }));
 
-    std::printf("   t  piston at  Newton  quality  scaled Jacobian >=\n");
+    std::printf("   t  piston at  Newton  quality  certified bound\n");
     almesh::Moved now = mesh.move(0);
     for (int step = 1; step <= 8 && now.is_good(); ++step) {
         now = mesh.follow(now, step / 8.0);
         double least = 1;
-        for (const double bound : now.verdict.lower_bound) least = std::min(least, bound);
+        for (const double bound : now.verdict.certified_bound) least = std::min(least, bound);
         std::printf("%.3f  %9.4f  %6d  %7.4f  %.4f\n", now.t, now.x[0], now.newton_steps, now.relative_quality, least);
     }
     return now.is_good() ? 0 : 1;

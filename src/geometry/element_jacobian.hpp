@@ -74,9 +74,9 @@ T straight_rounding(const Mat<n, T>& J) {
     return (16 * std::numeric_limits<double>::epsilon()) * (n == 2 ? squared : squared * sqrt(squared));
 }
 
-// Scaled Jacobian of a straight-sided element: 1, -1, or 0 where the determinant may be zero or is not finite.
+// Scaled determinant of a straight-sided simplex: 1, -1, or 0 where the determinant may be zero or is not finite.
 template <int n>
-double straight_scaled_jacobian(const int* vertex, const std::vector<double>& x) {
+double straight_scaled_determinant(const int* vertex, const std::vector<double>& x) {
     const Mat<n> J = straight_jacobian<n>(vertex, x);
     const double det = determinant(J);
     if (!(std::abs(det) > straight_rounding<n>(J)) || !std::isfinite(det)) return 0;

@@ -16,7 +16,7 @@ Mesh straight_mesh(const RawMesh& raw, std::vector<std::string>& notes) {
     const std::vector<double> y = straight_sided(mesh);
     const Certificate certificate = certify(mesh, y);
     if (certificate.valid) return mesh;
-    throw InvalidMesh(list_invalid(mesh, certificate.uncertified, y, certificate.lower_bound), raw.path, ": ",
+    throw InvalidMesh(list_elements(mesh, certificate.uncertified, y, certificate.certified_bound), raw.path, ": ",
                       counted(certificate.uncertified.size(), "element"), " with straight sides",
                       mesh.dim == 2 ? " and a corner of 180 degrees or more" : " inverted inside or at a corner");
 }
@@ -40,7 +40,7 @@ BaseMesh build_base_mesh(const RawMesh& raw, IdealKind ideal, std::vector<std::s
     BaseMesh base{build_mesh(raw, notes, Folds::keep), true, raw.path};
     const Certificate certificate = certify(base.mesh, base.mesh.x);
     if (!certificate.valid)
-        throw InvalidMesh(list_invalid(base.mesh, certificate.uncertified, base.mesh.x, certificate.lower_bound),
+        throw InvalidMesh(list_elements(base.mesh, certificate.uncertified, base.mesh.x, certificate.certified_bound),
                           against_straight.empty() ? raw.path + ": " : against_straight,
                           "as it is in the file, the mesh is not certified valid: ", counts_of(certificate));
     return base;

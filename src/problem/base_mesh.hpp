@@ -19,10 +19,10 @@ struct BaseMesh {
 
 // Of a mesh with elements that are not valid, which are listed in what().
 struct InvalidMesh : InputError {
-    InvalidElements list;
+    ElementList list;
     template <class... Parts>
-    explicit InvalidMesh(InvalidElements found, const Parts&... parts)
-        : InputError(parts..., " (id, centre, scaled Jacobian >=):", found.first), list(std::move(found)) {}
+    explicit InvalidMesh(ElementList found, const Parts&... parts)
+        : InputError(parts..., found.first), list(std::move(found)) {}
 };
 
 // Throws InputError or InvalidMesh with the reasons against each mesh that could be the ideal one, and as build_mesh().

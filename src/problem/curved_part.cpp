@@ -127,14 +127,14 @@ void CurvedPart::free_nodes_in(const std::vector<char>& of_whole, bool vertices_
 }
 
 void CurvedPart::flatten(double bound) {
-    constexpr double useful = 0.05;  // scaled Jacobian of elements at fault, when they no longer are
+    constexpr double useful = 0.05;  // scaled determinant of elements at fault, when they no longer are
     std::vector<char> at_fault(element_count(), 0);
     for (const int e : elements_of(*this, find_infeasible(bound))) at_fault[e] = 1;
     curved = straightened(*this, x, curved, [&](const std::vector<double>& at) {
         curved = at;
         Infeasible infeasible = find_infeasible(std::max(bound, useful));
         std::erase_if(infeasible.elements, [&](const InfeasibleElement& of) {
-            return of.scaled_jacobian > bound && !at_fault[of.element];
+            return of.scaled_determinant > bound && !at_fault[of.element];
         });
         return elements_of(*this, infeasible);
     }).x;

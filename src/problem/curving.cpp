@@ -52,7 +52,7 @@ public:
     // From where the run stood, at x. Nodes that have slid need the surfaces that they slid along.
     void go_on(const std::vector<double>& x) {
         solution_.x = x;
-        bound_ = certify(mesh_, x).lower_bound;
+        bound_ = certify(mesh_, x).certified_bound;
         if (count(freed_) > 0 && !can_slide()) freed_.assign(mesh_.nodes(), 0);
     }
 
@@ -134,7 +134,7 @@ private:
     Solution solution_;
     std::vector<char>& freed_ = standing_.freed;  // per node: whether it has slid, or could have
     std::vector<char>& is_straightened_ = standing_.straight;  // per element: by straighten(), not curved again yet
-    std::vector<double> bound_;          // per element: of its scaled Jacobian, from below
+    std::vector<double> bound_;          // certified, per element
     std::set<std::vector<int>> slid_;    // sets for which slides_around has failed
     std::shared_ptr<SlidingSurfaces> surfaces_;  // null: not made yet
     bool has_no_surfaces_ = false;
@@ -143,11 +143,11 @@ private:
     // Takes the mesh from these positions to a certified one.
     StraightenedMesh straightened(const std::vector<double>& x) {
         StraightenedMesh found =
-            straighten_invalid(mesh_, problem_.ideal(), x, options_.min_scaled_jacobian);
+            straighten_invalid(mesh_, problem_.ideal(), x, options_.min_certified_bound);
         for (std::size_t k = 0; k < x.size(); ++k)
             if (found.x[k] != x[k]) freed_[k / mesh_.dim] = 0;
         solution_.x = std::move(found.x);
-        bound_ = found.certificate.lower_bound;
+        bound_ = found.certificate.certified_bound;
         return found;
     }
 
@@ -187,7 +187,7 @@ private:
 
     // Gives the boundary of the part the freedom of the attempt. Whether that may help.
     bool release(CurvedPart& part, const std::vector<char>& is_of_place, Boundary boundary) {
-        const double bound = options_.min_scaled_jacobian;
+        const double bound = options_.min_certified_bound;
         if (boundary == Boundary::stays) return part.find_infeasible(bound).none();
         if (boundary == Boundary::flattens) {
             const CurvedPart held = part;
@@ -216,8 +216,8 @@ private:
         const CurvedPartResult found = almesh::curve(options_, part, surfaces_.get(), attempt.first_steps);
         bool is_better = found.certificate.valid;
         for (std::size_t e = 0; e < part.element_of.size() && is_better; ++e)
-            is_better = found.certificate.lower_bound[e] >
-                        std::min(options_.min_scaled_jacobian, 0.999 * bound_[part.element_of[e]]);
+            is_better = found.certificate.certified_bound[e] >
+                        std::min(options_.min_certified_bound, 0.999 * bound_[part.element_of[e]]);
         AlIteration last = found.al.iterations.back();
         last.seconds = watch.seconds();
         const Vec<3> at = problem_.frame.to_file(element_centre(mesh_, mesh_.x, place[0]));
@@ -226,12 +226,12 @@ private:
                          attempt.what)});
         int& steps = is_better ? solution_.al.newton_iterations : solution_.al.earlier_newton_iterations;
         steps += found.al.newton_iterations;
-        if (!is_better && attempt.boundary == Boundary::slides_around && !found.certificate.lower_bound.empty())
+        if (!is_better && attempt.boundary == Boundary::slides_around && !found.certificate.certified_bound.empty())
             slid_.insert(place);
         if (!is_better) return false;
         standing_.gradient_norm = std::max(standing_.gradient_norm, last.gradient_norm);
         for (std::size_t e = 0; e < part.element_of.size(); ++e)
-            bound_[part.element_of[e]] = found.certificate.lower_bound[e];
+            bound_[part.element_of[e]] = found.certificate.certified_bound[e];
         for (int k = 0; k < part.nodes(); ++k) {
             const double* const to = point(found.x, k, mesh_.dim);
             double* const x = point(solution_.x, part.node_of[k], mesh_.dim);
@@ -283,7 +283,7 @@ Solution curve_in_place(const ProblemOptions& options, Problem& problem, const S
     const ProblemOptions settings = options.local_repair == LocalRepair::no ? options : impatient(options);
     const bool keeps_boundary =
         as_whole && find_infeasible(problem.mesh(), problem.ideal(), problem.target,
-                                    options.min_scaled_jacobian).none();
+                                    options.min_certified_bound).none();
     const bool stood_in_parts = so_far.standing->attempt >= 0;
     if (keeps_boundary && !stood_in_parts) {
         Solution whole = solve(settings, problem);

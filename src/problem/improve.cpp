@@ -328,7 +328,7 @@ bool is_better(const ProblemOptions& options, Problem& problem, std::vector<doub
     if (options.needs_tolerance && surface_distance(problem, x) > options.surface_tolerance) return false;
     if (invalid_elements(problem, mesh.x).empty()) {
         if (!ImprovementGuard(options, problem, mesh.x).take(mesh.x, x) || !is_certified(problem, x)) return false;
-        const auto bound = [&](const std::vector<double>& at) { return certify(mesh, at).min_scaled_jacobian; };
+        const auto bound = [&](const std::vector<double>& at) { return certify(mesh, at).min_certified_bound; };
         if (bound(x) == bound(mesh.x) && least_corner_jacobian(mesh, x) <= least_corner_jacobian(mesh, mesh.x))
             return false;
     }

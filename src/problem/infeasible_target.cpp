@@ -18,7 +18,7 @@ std::string counts_of(const Infeasible& infeasible) {
            (elements ? counted(elements, "element") : "");
 }
 
-// Scaled Jacobian up to which elements that the target determines are infeasible.
+// Scaled determinant up to which elements that the target determines are infeasible.
 double bound_of(const ProblemOptions& options, const Problem& problem) {
     constexpr double useless = 0.01;  // leaves no element of any use
     if (options.distortion.delta > 0) return -std::numeric_limits<double>::infinity();
@@ -47,7 +47,7 @@ bool may_stay_invalid(const ProblemOptions& options, const Problem& problem, con
 
 std::string note_of(const ProblemOptions& options, const Problem& problem, const Infeasible& infeasible,
                     const Mesh& mesh, const std::string& what_is_done) {
-    return concat("the target makes ", counts_of(infeasible), " invalid or nearly invalid (scaled Jacobian at most ",
+    return concat("the target makes ", counts_of(infeasible), " invalid or nearly invalid (scaled determinant at most ",
                   bound_of(options, problem), "); ", what_is_done, ":", describe(mesh, infeasible));
 }
 
@@ -74,9 +74,9 @@ InfeasibleTarget::InfeasibleTarget(const ProblemOptions& options, const Problem&
       is_of_elements(infeasible.faces.faults.empty()), is_simplicial(problem.mesh().is_simplicial()),
       refining_helps(is_of_elements && problem.base.degree == 1 && options.refine < most_refinements) {
     const Mesh& mesh = problem.mesh();
-    std::vector<double> scaled_jacobian(mesh.element_count());
-    for (const InfeasibleElement& of : infeasible.elements) scaled_jacobian[of.element] = of.scaled_jacobian;
-    list = list_invalid(mesh, elements_of(mesh, {{}, infeasible.elements}), mesh.x, scaled_jacobian);
+    std::vector<double> value(mesh.element_count());
+    for (const InfeasibleElement& of : infeasible.elements) value[of.element] = of.scaled_determinant;
+    list = list_elements(mesh, elements_of(mesh, {{}, infeasible.elements}), mesh.x, value, {}, "scaled determinant");
     if (!refining_helps) return;
     PlacedNodes placed = problem.placed;
     BoundaryTarget target;

@@ -9,7 +9,7 @@ namespace almesh {
 
 // No valid mesh has this target: which elements are infeasible, and what may help.
 struct InfeasibleTarget : InputError {
-    InvalidElements list;
+    ElementList list;
     bool sliding_may_help, division_helps;  // as of Infeasible
     bool is_of_elements;                    // no faces are at fault
     bool is_simplicial;

@@ -48,7 +48,7 @@ struct ProblemOptions {
     Start start = Start::automatic;
     Continuation continuation = Continuation::automatic;
     LocalRepair local_repair = LocalRepair::automatic;
-    double min_scaled_jacobian = 0.02;
+    double min_certified_bound = 0.02;
     double feature_angle = 30;  // degrees
     double surface_tolerance = 1e-3;  // of the local edge, of a mesh that is improved,
     bool needs_tolerance = false;     // which has not converged beyond it,

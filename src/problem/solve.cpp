@@ -192,7 +192,7 @@ Diagnosis diagnose(const ProblemOptions& options, const Problem& problem, const 
     const auto unbalanced = [&] { return least_balanced(last, solution.al.gradient); };
     switch (status_row(status).cause) {
         case Cause::validity:
-            if (!solution.certificate.valid) return least_valid(last, solution.certificate.lower_bound);
+            if (!solution.certificate.valid) return least_valid(last, solution.certificate.certified_bound);
             return status == Status::converged ? overlapping(last, solution.injectivity) : farthest();
         case Cause::gradient: return unbalanced();
         case Cause::distortion: return most_distorted(last);

@@ -24,7 +24,7 @@ std::string headline(Status status) {
 
 std::string quality_of_element(const Solution& solution, int element) {
     return "eta " + shown(solution.al.distortion.element_max[element]) +
-           ", scaled Jacobian >= " + rounded_down(solution.certificate.lower_bound[element], 4);
+           ", certified bound " + rounded_down(solution.certificate.certified_bound[element], 4);
 }
 
 std::string name_of(const Mesh& mesh, const Diagnosis& diagnosis) {
@@ -60,7 +60,7 @@ std::string description(const Problem& problem, const Solution& solution) {
         case DiagnosisKind::distorted:
             return subject + " is the most distorted: " + quality_of_element(solution, at.element);
         case DiagnosisKind::invalid:
-            return subject + " has the least scaled Jacobian: " + quality_of_element(solution, at.element);
+            return subject + " has the least certified bound: " + quality_of_element(solution, at.element);
         default: return overlap_text(mesh, solution.injectivity, problem.frame) + ": " + name;
     }
 }
@@ -286,9 +286,14 @@ void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, cons
         print(out, "the Cholesky factor takes ", shown(solution.refused_bytes / 1e9, 3),
               " GB, more than this machine's memory\n");
     const bool shows = solution.diagnosis.kind != DiagnosisKind::none && deck.vtk != VtkOutput::none;
+<<<<<<< HEAD
     print(out, judgement(problem, solution), ": scaled Jacobian >= ",
           rounded_down(solution.certificate.min_scaled_jacobian, 4), " everywhere; ",
           made_better ? "in " + fixed(solution.time.total, 2) + " s; " : "", "results in ", deck.output,
+=======
+    print(out, judgement(problem, solution), ": certified bound ",
+          rounded_down(solution.certificate.min_certified_bound, 4), "; results in ", deck.output,
+>>>>>>> d14a91a9 (Words: the scaled Jacobian is that of corners, what the certificate proves is the certified bound)
           shows ? ", the elements around it in stop.vtk" : "", "\n");
 }
 

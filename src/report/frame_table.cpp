@@ -17,7 +17,7 @@ namespace almesh {
 namespace {
 
 constexpr const char* heading =
-    "frame,t,status,exit_code,newton_steps,max_distortion,relative_quality,min_scaled_jacobian,certified,started_from,"
+    "frame,t,status,exit_code,newton_steps,max_distortion,relative_quality,certified_bound,certified,started_from,"
     "path,seconds,note\n";
 
 std::string csv_of(const Deck& deck) { return deck.output + "/frames.csv"; }
@@ -28,7 +28,7 @@ std::string line_of(const FrameRow& row) {
     const bool is_solved = !row.started_from.empty();
     const auto of_mesh = [&](const Cell& cell) { return is_solved ? cell : ""; };
     return csv_row({row.label(), row.t, row.status, static_cast<int>(row.code), of_mesh(row.newton_steps),
-                    of_mesh(row.max_distortion), of_mesh(row.relative_quality), of_mesh(row.min_scaled_jacobian),
+                    of_mesh(row.max_distortion), of_mesh(row.relative_quality), of_mesh(row.min_certified_bound),
                     of_mesh(row.certified ? "yes" : "no"), row.started_from, row.path, rounded_down(row.seconds, 4),
                     sentence(row.note)});
 }

@@ -29,7 +29,7 @@ struct FrameRow {
     std::string history = {};  // rows of history.csv, without the frame
     ExitCode code = ExitCode::success;
     int newton_steps = 0;
-    double max_distortion = 0, relative_quality = 0, min_scaled_jacobian = 0, seconds = 0;
+    double max_distortion = 0, relative_quality = 0, min_certified_bound = 0, seconds = 0;
     bool certified = false;
 
     void refuse(const Error& error);

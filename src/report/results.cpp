@@ -13,6 +13,7 @@
 #include "base/parallel.hpp"
 #include "base/text.hpp"
 #include "check/infeasible.hpp"
+#include "check/scaled_jacobian.hpp"
 #include "io/mesh_format.hpp"
 #include "io/patch.hpp"
 
@@ -46,7 +47,7 @@ VtkFormat format_of(const Deck& deck) { return deck.vtk == VtkOutput::binary ? V
 // x, in the run's frame, and positions, in the file's, are the same points.
 void write_volume(const Deck& deck, const Problem& problem, const char* what, const std::vector<double>& x,
                   std::vector<double> positions, const std::vector<double>& distortion,
-                  const std::vector<double>* scaled_jacobian, std::vector<VtkArray> point_data = {}) {
+                  const std::vector<double>* bound, std::vector<VtkArray> point_data = {}) {
     const Mesh& mesh = problem.mesh();
     std::vector<VtkArray> cell_data = {{"distortion", 1, distortion}};
     if (!deck.wall.empty())
@@ -55,7 +56,8 @@ void write_volume(const Deck& deck, const Problem& problem, const char* what, co
     std::vector<int> elements(distortion.size());
     std::iota(elements.begin(), elements.end(), 0);
     cell_data.push_back(numbers("quality", elements, [&](int e) { return 1 / distortion[e]; }));
-    if (scaled_jacobian) cell_data.push_back({"min_scaled_jacobian", 1, *scaled_jacobian});
+    cell_data.push_back({"scaled_jacobian", 1, corner_jacobians(mesh, x)});
+    if (bound) cell_data.push_back({"certified_bound", 1, *bound});
     cell_data.push_back(numbers("element_id", elements, [&](int e) { return mesh.file.element_id[e]; }));
     write_vtk(deck.output + "/" + what + ".vtk",
               {title(deck, what), mesh.dim, mesh.degree, std::move(positions), mesh.elements, mesh.dim,
@@ -126,7 +128,7 @@ std::string write_mesh(const Deck& deck, const Problem& problem, const Solution&
     }
     if (deck.vtk != VtkOutput::none)
         write_volume(deck, problem, name.c_str(), solution.x, positions, solution.al.distortion.element_max,
-                     &solution.certificate.lower_bound, point_data);
+                     &solution.certificate.certified_bound, point_data);
     return first;
 }
 
@@ -158,7 +160,8 @@ void write_stop(const Deck& deck, const Problem& problem, const Solution& soluti
                 numbers("boundary", nodes, [&](int i) { return boundary[i]; }),
                 numbers("diagnosis", nodes, [&](int i) { return i == solution.diagnosis.node; })},
                {numbers("distortion", elements, [&](int e) { return solution.al.distortion.element_max[e]; }),
-                numbers("min_scaled_jacobian", elements, [&](int e) { return solution.certificate.lower_bound[e]; }),
+                {"scaled_jacobian", 1, at_nodes(elements, corner_jacobians(mesh, solution.x), 1)},
+                numbers("certified_bound", elements, [&](int e) { return solution.certificate.certified_bound[e]; }),
                 numbers("element_id", elements, [&](int e) { return mesh.file.element_id[e]; }),
                 numbers("diagnosis", elements, [&](int e) { return e == solution.diagnosis.element; })},
                provenance(deck, problem), groups_of(types, mesh.degree)},
@@ -226,8 +229,8 @@ void write_summary(const Deck& deck, const Summary& summary) {
 void print_uncertified(std::FILE* out, const Mesh& mesh, const std::vector<double>& x, const Certificate& certificate,
                        const std::string& folder, const std::vector<std::string>& why) {
     if (certificate.uncertified.empty()) return;
-    const InvalidElements list = list_invalid(mesh, certificate.uncertified, x, certificate.lower_bound, why);
-    std::fprintf(out, "NOT certified valid: %s; the worst (id, centre, scaled Jacobian >=):%s%s\n",
+    const ElementList list = list_elements(mesh, certificate.uncertified, x, certificate.certified_bound, why);
+    std::fprintf(out, "NOT certified valid: %s; the worst%s%s\n",
                  counts_of(certificate).c_str(), list.first.c_str(), write_invalid(list, folder).c_str());
 }
 

@@ -36,8 +36,8 @@ std::string write_frame(const Deck& deck, const Problem& problem, const Solution
 void write_results(const Deck& deck, const Problem& problem, const Solution& solution);
 void write_summary(const Deck& deck, const Summary& summary);  // summary.txt and expectations.csv
 
-// How many elements the certificate could not prove valid, and the worst ten: id, centre, lower bound of the scaled
-// Jacobian and, if it is known (check/infeasible.hpp), why. Prints nothing where all are certified. x: nodes x dim in
+// How many elements the certificate could not prove valid, and the worst ten: id, centre, certified bound and, if
+// it is known (check/infeasible.hpp), why. Prints nothing where all are certified. x: nodes x dim in
 // units of the file.
 void print_uncertified(std::FILE* out, const Mesh& mesh, const std::vector<double>& x, const Certificate& certificate,
                        const std::string& folder, const std::vector<std::string>& why = {});

@@ -29,7 +29,7 @@ void print_mesh(std::FILE* out, const Deck& deck, const Problem& problem) {
 
 void report_improvement(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution) {
     const QualityChange change = quality_change(problem.mesh(), problem.mesh().x, solution.x);
-    print(out, quality_table(change));
+    print(out, quality_table(change, problem.mesh().degree));
     write_file(deck.output + "/quality.csv", quality_csv(change));
 }
 
@@ -45,7 +45,7 @@ void print_volumes(std::FILE* out, const Deck& deck, const Problem& problem, con
         double least = 1;
         for (const int e : volume.cells) {
             chosen[e] = 1;
-            least = std::min(least, solution.certificate.lower_bound[e]);
+            least = std::min(least, solution.certificate.certified_bound[e]);
         }
         const MeshPart part = part_of(mesh, chosen, "rest");
         const std::vector<double> x = part.restricted(solution.x);
@@ -56,10 +56,10 @@ void print_volumes(std::FILE* out, const Deck& deck, const Problem& problem, con
         const DistortionStatistics found = energy->statistics(x);
         rows.push_back({volume.name, volume.cells.size(), scientific(energy->energy(x), 3),
                         fixed(found.relative_quality, 6), to_text(found.max_distortion, 4),
-                        ">= " + rounded_down(least, 4)});
+                        rounded_down(least, 4)});
     }
     const TextTable table{{{"volume", -6}, {"elements", 8}, {"energy", 9}, {"q", 8}, {"max eta", 9},
-                           {"scaled Jacobian"}}};
+                           {"certified bound"}}};
     print(out, table.text(rows));
 }
 

@@ -18,7 +18,7 @@ void report_improvement(std::FILE* out, const Deck& deck, const Problem& problem
 void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution, int fallbacks);
 
 // For each physical group of elements, where there are several: energy, relative quality, and largest distortion as of
-// a mesh of its own; and least scaled Jacobian.
+// a mesh of its own; and certified bound.
 void print_volumes(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution);
 
 }  // namespace almesh

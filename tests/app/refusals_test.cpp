@@ -84,11 +84,11 @@ std::string without_faces(const Mesh& mesh) {
 struct FoldedElement {
     long long id = -1;
     std::vector<double> place;
-    double scaled_jacobian = 1;
+    double scaled_determinant = 1;
 
     FoldedElement(const std::string& error, const std::string& cell) {
         const std::string start = "\n  " + cell + " ", middle = " at (",
-                          end = "): its boundary nodes make its scaled Jacobian ";
+                          end = "): its boundary nodes make its scaled determinant ";
         const auto at = error.find(start), coordinates = error.find(middle, at), value = error.find(end, coordinates);
         REQUIRE(value != std::string::npos);
         id = parse_int(error.substr(at + start.size(), coordinates - at - start.size())).value();
@@ -96,7 +96,7 @@ struct FoldedElement {
         for (const std::string& number : pieces(error.substr(first, value - first), ','))
             place.push_back(parse_double(trim(number)).value());
         const auto number = value + end.size();
-        scaled_jacobian = parse_double(error.substr(number, error.find(',', number) - number)).value();
+        scaled_determinant = parse_double(error.substr(number, error.find(',', number) - number)).value();
     }
 };
 
@@ -298,7 +298,7 @@ TEST_CASE("a corner that the target folds: code 2, whatever unit, origin, degree
                                        "or targets that do not invert them\n"});
             CHECK(!std::filesystem::exists(square.output));
             const FoldedElement folded(outcome.error, "triangle");
-            CHECK(folded.scaled_jacobian < 0);
+            CHECK(folded.scaled_determinant < 0);
             const double h = setting == "refine=1" ? 0.125 : 0.25, rounding = 1e-5 * (std::abs(origin) + size);
             REQUIRE(folded.place.size() == 2);
             const Outcome split = square.run({setting, "split=auto"});

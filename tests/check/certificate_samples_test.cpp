@@ -199,12 +199,12 @@ void compare(const CellType& cell, int degree, int count) {
         std::copy(elements[e].begin(), elements[e].end(), jacobian.position(0));
         jacobian.compute(1);
         const double margin = jacobian.unit() * jacobian.rounding(), straight = mean_of_straight<n>(cell, elements[e]);
-        const bool is_valid = certificate.lower_bound[e] > 0;
+        const bool is_valid = certificate.certified_bound[e] > 0;
         valid += is_valid;
         double least = samples.least(elements[e], 2);
         least = std::min(least, samples.at(elements[e], least_place<n>(basis, jacobian)));
         if (is_valid != (least > 0)) least = std::min(least, dense.least(elements[e], 10));
-        const double bound = certificate.lower_bound[e];
+        const double bound = certificate.certified_bound[e];
         CHECK(bound <= least / std::abs(straight) + 1e-9 * std::max(1.0, std::abs(bound)));  // samples of thin elements
         if (is_valid) CHECK(least > 0);
         if (std::abs(least) <= 2 * margin) ++close;

@@ -29,7 +29,7 @@ Mesh one_element(int dim, int degree) {
     return with_degree(linear_mesh(dim, x, element, [](const double*) { return "wall"; }), degree);
 }
 
-// Least scaled Jacobian of an element at a lattice of points.
+// Least scaled determinant of an element at a lattice of points.
 template <int n>
 double sampled_minimum(const Mesh& mesh, const std::vector<double>& x, int e, int steps) {
     const LagrangeBasis basis(n, mesh.degree), linear(n, 1);
@@ -43,7 +43,7 @@ double sampled_minimum(const Mesh& mesh, const std::vector<double>& x, int e, in
     return least;
 }
 
-// The node of P2 between vertices 0 and 1 moved along its edge: scaled Jacobian 1 + 4 s (1 - 2 xi - ...), least at
+// The node of P2 between vertices 0 and 1 moved along its edge: scaled determinant 1 + 4 s (1 - 2 xi - ...), least at
 // vertex 1 with the value 1 - 4 s (s in edge lengths).
 std::vector<double> with_moved_midpoint(const Mesh& mesh, double s) {
     std::vector<double> x = mesh.x;
@@ -54,7 +54,7 @@ std::vector<double> with_moved_midpoint(const Mesh& mesh, double s) {
 
 }  // namespace
 
-TEST_CASE("straight-sided elements have scaled Jacobian one, linear ones exactly") {
+TEST_CASE("straight-sided elements have scaled determinant one, linear ones exactly") {
     for (int dim = 2; dim <= 3; ++dim)
         for (int degree : {1, 2, 4}) {
             const Mesh mesh = with_degree(dim == 2 ? square_mesh(3) : cube_mesh(2), degree);
@@ -62,7 +62,7 @@ TEST_CASE("straight-sided elements have scaled Jacobian one, linear ones exactly
             CHECK(c.valid);
             CHECK(c.uncertified.empty());
             CHECK(c.undecided == 0);
-            for (double bound : c.lower_bound) {
+            for (double bound : c.certified_bound) {
                 if (degree == 1) CHECK(bound == 1);
                 else CHECK(bound == doctest::Approx(1).epsilon(1e-9));
             }
@@ -75,15 +75,15 @@ TEST_CASE("the element that becomes singular at a vertex is judged by the exact 
         for (double s : {0.1, 0.2, 0.24, 0.2499, 0.249999}) {
             const Certificate c = certify(mesh, with_moved_midpoint(mesh, s));
             CHECK(c.valid);
-            CHECK(c.min_scaled_jacobian <= 1 - 4 * s + 1e-15);
-            CHECK(c.min_scaled_jacobian >= 0.99 * (1 - 4 * s) - 1e-11);
+            CHECK(c.min_certified_bound <= 1 - 4 * s + 1e-15);
+            CHECK(c.min_certified_bound >= 0.99 * (1 - 4 * s) - 1e-11);
         }
         for (double s : {0.25, 0.2500001, 0.3}) {
             const Certificate c = certify(mesh, with_moved_midpoint(mesh, s));
             CHECK_FALSE(c.valid);
             CHECK(c.undecided == 0);
             CHECK(c.uncertified == std::vector<int>{0});
-            CHECK(std::abs(c.min_scaled_jacobian - (1 - 4 * s)) < 0.011);
+            CHECK(std::abs(c.min_certified_bound - (1 - 4 * s)) < 0.011);
         }
     }
 }
@@ -118,8 +118,8 @@ TEST_CASE("lower bounds agree with dense samples at every degree") {
             for (int e = 0; e < mesh.element_count(); ++e) {
                 const double sampled =
                     dim == 2 ? sampled_minimum<2>(mesh, x, e, 30) : sampled_minimum<3>(mesh, x, e, 16);
-                CHECK(c.lower_bound[e] <= sampled);
-                CHECK(c.lower_bound[e] >= 0.97 * sampled);
+                CHECK(c.certified_bound[e] <= sampled);
+                CHECK(c.certified_bound[e] >= 0.97 * sampled);
             }
         }
 }
@@ -141,14 +141,14 @@ TEST_CASE("stretched boundary-layer elements keep the certificate of their affin
         const Certificate layer = certify(mesh, thin);
         CHECK(layer.valid);
         for (int e = 0; e < mesh.element_count(); ++e)
-            CHECK(layer.lower_bound[e] == doctest::Approx(unit.lower_bound[e]).epsilon(1e-4));
+            CHECK(layer.certified_bound[e] == doctest::Approx(unit.certified_bound[e]).epsilon(1e-4));
     }
 }
 
 TEST_CASE("inverted, flat and infinite elements are invalid") {
     const Mesh linear = one_element(2, 1), curved = one_element(2, 3);
-    CHECK(certify(linear, {0, 0, 0, 1, 1, 0}).min_scaled_jacobian == -1);
-    CHECK(certify(linear, {0, 0, 1, 1, 2, 2}).min_scaled_jacobian == 0);
+    CHECK(certify(linear, {0, 0, 0, 1, 1, 0}).min_certified_bound == -1);
+    CHECK(certify(linear, {0, 0, 1, 1, 2, 2}).min_certified_bound == 0);
     CHECK(certify(linear, {0, 0, 0.1, 0.1, 0.3, 0.3}).uncertified == std::vector<int>{0});
     CHECK(certify(linear, {0, 0, 0, 0, 0, 0}).uncertified == std::vector<int>{0});
     for (const double height : {1e-14, 1e-16, 1e-18})  // below a few units in the last place nothing tells it from zero
@@ -156,13 +156,13 @@ TEST_CASE("inverted, flat and infinite elements are invalid") {
     std::vector<double> mirrored = mapped(curved, [](double* p) { p[0] = -p[0]; });
     const Certificate c = certify(curved, mirrored);
     CHECK_FALSE(c.valid);
-    CHECK(c.min_scaled_jacobian == doctest::Approx(-1).epsilon(1e-9));
+    CHECK(c.min_certified_bound == doctest::Approx(-1).epsilon(1e-9));
     for (double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
         for (int node : {0, 9}) {
             std::vector<double> x = curved.x;
             x[node * 2] = bad;
             CHECK(certify(curved, x).uncertified == std::vector<int>{0});
-            CHECK(certify(curved, x).min_scaled_jacobian == 0);
+            CHECK(certify(curved, x).min_certified_bound == 0);
         }
 }
 
@@ -177,7 +177,7 @@ TEST_CASE("an element out of bisections is undecided, and uncertified ones are l
     while (amplitude < 2 && certify(mesh, bent(amplitude), hasty).valid) amplitude *= 1.01;
     CHECK(certify(mesh, bent(amplitude)).valid);
     const Certificate c = certify(mesh, bent(amplitude), hasty);
-    CHECK(c.lower_bound[0] <= 0);
+    CHECK(c.certified_bound[0] <= 0);
     CHECK(c.undecided == 1);
     CHECK_FALSE(c.valid);
 
@@ -187,7 +187,7 @@ TEST_CASE("an element out of bisections is undecided, and uncertified ones are l
     const Certificate order = certify(square, folded);
     REQUIRE(order.uncertified.size() >= 2);
     CHECK(std::is_sorted(order.uncertified.begin(), order.uncertified.end(),
-                         [&](int a, int b) { return order.lower_bound[a] < order.lower_bound[b]; }));
+                         [&](int a, int b) { return order.certified_bound[a] < order.certified_bound[b]; }));
 }
 
 TEST_CASE("bounds have the same bits for any number of threads") {
@@ -195,10 +195,10 @@ TEST_CASE("bounds have the same bits for any number of threads") {
     const std::vector<double> x = wavy(mesh.x, 3, 0.05);
     const int before = max_threads();
     set_threads(1);
-    const std::vector<double> serial = certify(mesh, x).lower_bound;
+    const std::vector<double> serial = certify(mesh, x).certified_bound;
     for (int threads : {2, 3, 5}) {
         set_threads(threads);
-        CHECK(certify(mesh, x).lower_bound == serial);
+        CHECK(certify(mesh, x).certified_bound == serial);
     }
     set_threads(before);
 }

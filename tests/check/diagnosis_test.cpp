@@ -125,9 +125,9 @@ TEST_CASE("the most distorted and the least valid element") {
     CHECK(worst.element == 5);
     CHECK(worst.node == -1);
     CHECK(worst.position == centroid(cube.mesh(), cube.x, cube.mesh().element(5), 4));
-    std::vector<double> scaled_jacobian(cube.mesh().element_count(), 1.0);
-    scaled_jacobian[11] = -0.25;
-    const Diagnosis folded = least_valid(cube.last(), scaled_jacobian);
+    std::vector<double> bound(cube.mesh().element_count(), 1.0);
+    bound[11] = -0.25;
+    const Diagnosis folded = least_valid(cube.last(), bound);
     CHECK(folded.kind == DiagnosisKind::invalid);
     CHECK(folded.element == 11);
 }

@@ -107,7 +107,7 @@ struct RandomElement {
     }
 
     // On the determined faces, over that of the straight element.
-    std::vector<double> scaled_jacobians(int fine) const {
+    std::vector<double> scaled_determinants(int fine) const {
         std::vector<double> values;
         with_dimension(mesh.dim, [&](auto n) {
             const double straight = std::abs(determinant(straight_jacobian<n>(mesh.element(0), x)));
@@ -131,7 +131,7 @@ TEST_CASE("random elements: what is told is attained where it is determined, and
             for (int k = 0; k < 60; ++k) {
                 const RandomElement any(dim, degree, random);
                 const double bound = 0.2 * (k % 3 - 1), coarse = 0.05;
-                const std::vector<double> samples = any.scaled_jacobians(dim == 2 ? 24 : 12);
+                const std::vector<double> samples = any.scaled_determinants(dim == 2 ? 24 : 12);
                 const auto found = infeasible_elements(any.mesh, any.x, any.prescribed, bound);
                 REQUIRE(found.size() <= 1);
                 told += !found.empty();
@@ -143,8 +143,8 @@ TEST_CASE("random elements: what is told is attained where it is determined, and
                 if (least <= bound) REQUIRE(found.size() == 1);
                 if (found.empty()) continue;
                 CHECK(found[0].element == 0);
-                CHECK(found[0].scaled_jacobian <= bound);
-                CHECK(found[0].scaled_jacobian > least - coarse);
+                CHECK(found[0].scaled_determinant <= bound);
+                CHECK(found[0].scaled_determinant > least - coarse);
             }
             CHECK((degree == 1 || told > 5));
             CHECK(nothing_determined + valid > 5);
@@ -158,16 +158,16 @@ TEST_CASE("what is determined does not change with the nodes that are not prescr
             for (int k = 0; k < 20; ++k) {
                 RandomElement any(dim, degree, random);
                 const auto before = infeasible_elements(any.mesh, any.x, any.prescribed, 0.3);
-                const std::vector<double> values = any.scaled_jacobians(4);
+                const std::vector<double> values = any.scaled_determinants(4);
                 any.move([&](int i) { return !any.prescribed[i]; }, 0.5, random);
                 const auto after = infeasible_elements(any.mesh, any.x, any.prescribed, 0.3);
-                const std::vector<double> moved = any.scaled_jacobians(4);
+                const std::vector<double> moved = any.scaled_determinants(4);
                 for (std::size_t q = 0; q < values.size(); ++q)
                     CHECK(moved[q] == doctest::Approx(values[q]).epsilon(1e-12).scale(1));
                 REQUIRE(before.size() == after.size());
                 for (std::size_t e = 0; e < before.size(); ++e)
-                    CHECK(after[e].scaled_jacobian ==
-                          doctest::Approx(before[e].scaled_jacobian).epsilon(1e-12).scale(1));
+                    CHECK(after[e].scaled_determinant ==
+                          doctest::Approx(before[e].scaled_determinant).epsilon(1e-12).scale(1));
             }
 }
 
@@ -183,12 +183,12 @@ TEST_CASE("a vertex of a curved triangle: its value, the bound, and that the str
         return infeasible_elements(mesh, x, prescribed, bound);
     };
     REQUIRE(found(0.4, 0).size() == 1);
-    CHECK(found(0.4, 0)[0].scaled_jacobian == doctest::Approx(-0.6));
+    CHECK(found(0.4, 0)[0].scaled_determinant == doctest::Approx(-0.6));
     CHECK(found(0.4, 0)[0].by_curvature);
     CHECK(found(0.2, 0).empty());
     CHECK(found(0.2, 0.19).empty());
     REQUIRE(found(0.2, 0.21).size() == 1);
-    CHECK(found(0.2, 0.21)[0].scaled_jacobian == doctest::Approx(0.2));
+    CHECK(found(0.2, 0.21)[0].scaled_determinant == doctest::Approx(0.2));
     CHECK(found(0.4, -0.59).size() == 1);
     CHECK(found(0.4, -0.61).empty());
     for (const int i : {raised, 0, 1, 2, node_at(mesh, {0.5, 0.5})}) {  // any node that counts slides or is free
@@ -215,8 +215,8 @@ TEST_CASE("the edge of two prescribed faces of a tetrahedron, folded between its
         const auto found = infeasible_elements(mesh, x, prescribed);
         REQUIRE(found.size() == 1);
         CHECK(found[0].by_curvature);
-        CHECK(found[0].scaled_jacobian <= 0);
-        CHECK(found[0].scaled_jacobian >= least - 1e-12);
+        CHECK(found[0].scaled_determinant <= 0);
+        CHECK(found[0].scaled_determinant >= least - 1e-12);
         CHECK(infeasible_elements(mesh, x, prescribed, 0.95 * least).size() == 1);
         CHECK(infeasible_elements(mesh, x, prescribed, 1.05 * least).empty());
         for (const int i : counts) {
@@ -240,8 +240,8 @@ TEST_CASE("a whole triangle of degree 2, folded in a disc inside it") {
     std::vector<char> prescribed(mesh.nodes(), 1);
     const auto found = infeasible_elements(mesh, x, prescribed);
     REQUIRE(found.size() == 1);
-    CHECK(found[0].scaled_jacobian <= 0);
-    CHECK(found[0].scaled_jacobian >= least * (1 + 1e-12));
+    CHECK(found[0].scaled_determinant <= 0);
+    CHECK(found[0].scaled_determinant >= least * (1 + 1e-12));
     CHECK(infeasible_elements(mesh, x, prescribed, 0.95 * least).size() == 1);
     CHECK(infeasible_elements(mesh, x, prescribed, 1.05 * least).empty());
     for (int i = 0; i < mesh.nodes(); ++i) {
@@ -268,7 +268,7 @@ TEST_CASE("corners of squares and cubes that are pushed through their elements, 
             REQUIRE(!found.empty());
             for (std::size_t k = 0; k < found.size(); ++k) {
                 const int* const vertex = mesh.element(found[k].element);
-                CHECK(found[k].scaled_jacobian == doctest::Approx(-1));
+                CHECK(found[k].scaled_determinant == doctest::Approx(-1));
                 CHECK(!found[k].by_curvature);
                 CHECK(std::count(vertex, vertex + mesh.dim + 1, corner) == 1);
                 CHECK((k == 0 || found[k - 1].element < found[k].element));
@@ -287,7 +287,7 @@ TEST_CASE("a linear element without volume is told with 0") {
     point(flat, 2, 2)[1] = 0;
     const auto found = infeasible_elements(mesh, flat, {1, 1, 1});
     REQUIRE(found.size() == 1);
-    CHECK(found[0].scaled_jacobian == 0);
+    CHECK(found[0].scaled_determinant == 0);
     CHECK(!found[0].by_curvature);
     CHECK(infeasible_elements(mesh, flat, {1, 1, 0}).empty());
 }

@@ -171,7 +171,7 @@ TEST_CASE("many elements that the boundary makes flat: ten are shown, all in a f
     CHECK(after.x != before.x);
     const Certificate certificate = certify(after, after.x);
     CHECK(certificate.uncertified.size() == 12);
-    for (const int e : certificate.uncertified) CHECK(certificate.lower_bound[e] > -1e-9);  // flat, not inverted
+    for (const int e : certificate.uncertified) CHECK(certificate.certified_bound[e] > -1e-9);  // flat, not inverted
 
     const std::string deck = folder.write("move.deck", "mesh = mesh.msh\noutput = " + results +
                                                            "\nboundary all = translate 1 0\nthreads = 1\n");

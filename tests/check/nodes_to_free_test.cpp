@@ -139,7 +139,7 @@ TEST_CASE("an element with two curved edges that meet at more than 180 degrees: 
     CHECK(faults.faces.faults.empty());
     REQUIRE(faults.elements.size() == 1);
     CHECK(faults.elements[0].by_curvature);
-    CHECK(faults.elements[0].scaled_jacobian == doctest::Approx(1 - 16 * 0.01 * 9));
+    CHECK(faults.elements[0].scaled_determinant == doctest::Approx(1 - 16 * 0.01 * 9));
     CHECK(faults.sliding_may_help());
     free_nodes(square.mesh, nodes_to_free(square.mesh, target, faults), target);
     CHECK(freed_nodes(square.mesh, target) == nodes_of(square.mesh, {"bottom", "right"}));
@@ -147,7 +147,7 @@ TEST_CASE("an element with two curved edges that meet at more than 180 degrees: 
     CHECK(with_wide_corner(0.08).faults(with_wide_corner(0.08).target()).none());
     const std::string text = describe(square.mesh, faults);
     CHECK(text == "\n  triangle " + std::to_string(square.mesh.file.element_id[faults.elements[0].element]) +
-                      " at (0.888889, 0.111111): its boundary nodes make its scaled Jacobian -0.44, wherever the nodes "
+                      " at (0.888889, 0.111111): its boundary nodes make its scaled determinant -0.44, wherever the nodes "
                       "inside are");
 }
 
@@ -249,6 +249,6 @@ TEST_CASE("a quadrilateral whose corner is nearly straight in the ideal mesh alr
     CHECK(faults(0).empty());
     CHECK(faults(0.0001).empty());
     REQUIRE(faults(0.0004).size() == 1);  // a fifth of what it was
-    CHECK(faults(0.0004)[0].scaled_jacobian == doctest::Approx(0.0004).epsilon(0.01));
+    CHECK(faults(0.0004)[0].scaled_determinant == doctest::Approx(0.0004).epsilon(0.01));
     CHECK(faults(0.001).size() == 1);
 }

@@ -103,24 +103,17 @@ TEST_CASE("quality does not depend on the degree of straight elements, and stret
             CHECK(mesh_quality(mesh, mesh.x).min == doctest::Approx(1));
             const std::vector<double> x = mapped(mesh, [](double* p) { p[0] *= 3; });
             const double expected = mesh.dim == 2 ? 2 * 3.0 / (1 + 9) : 3 * std::cbrt(9.0) / (9 + 2);
-            const QualityStatistics statistics = mesh_quality(mesh, x);
-            CHECK(statistics.min == doctest::Approx(expected));
-            CHECK(statistics.mean == doctest::Approx(expected));
+            CHECK(mesh_quality(mesh, x).min == doctest::Approx(expected));
         }
     }
 }
 
-TEST_CASE("inverted elements have quality zero and head the list of the worst") {
+TEST_CASE("inverted elements have quality zero") {
     const Mesh mesh = square_mesh(4);
     std::vector<double> x = mesh.x;
     x[2 * 12] += 0.6;  // the centre node leaves its patch
     const QualityStatistics statistics = mesh_quality(mesh, x);
-    CHECK(statistics.inverted > 0);
     CHECK(statistics.min == 0);
-    CHECK(statistics.worst.size() == 10);
-    for (std::size_t k = 1; k < statistics.worst.size(); ++k)
-        CHECK(statistics.quality[statistics.worst[k - 1]] <= statistics.quality[statistics.worst[k]]);
-    CHECK(statistics.quality[statistics.worst[0]] == 0);
     CHECK(std::accumulate(statistics.histogram.begin(), statistics.histogram.end(), 0) == mesh.element_count());
     CHECK(mesh_quality(single(2, {0, 0, 1, 0, 0, 1}), {0, 0, 1, 0, 2, 0}).min == 0);
 }

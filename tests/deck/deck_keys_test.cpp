@@ -46,7 +46,7 @@ TEST_CASE("legal ranges end where they should") {
          {Ends{"degree", "0", "7", "-1", "8"}, Ends{"refine", "0", "8", "-1", "9"},
           Ends{"weight_exponent", "0", "1", "-1e-9", "1.0001"}, Ends{"max_al_iterations", "1", "1000", "0", "1001"},
           Ends{"max_newton_iterations", "1", "100000", "0", "100001"},
-          Ends{"min_scaled_jacobian", "0", "0.5", "-1", "0.51"}, Ends{"quadrature", "0", "40", "-1", "41"},
+          Ends{"min_certified_bound", "0", "0.5", "-1", "0.51"}, Ends{"quadrature", "0", "40", "-1", "41"},
           Ends{"iterates", "0", "1000000", "-1", "1000001"},
           Ends{"threads", "0", "1024", "-1", "1025"},
           Ends{"max_seconds", "0", "1e+09", "-1", "1.1e9"}}) {
@@ -106,7 +106,7 @@ TEST_CASE("numbers with garbage are refused with what is legal") {
     CHECK(has(result_of("omega0", "1e-3x"), "expected number > 0"));
     CHECK(has(result_of("omega0", "inf"), "expected number > 0"));
     CHECK(has(result_of("omega0", "\"1\""), "expected number > 0"));
-    CHECK(result_of("min_scaled_jacobian", "1") == "min_scaled_jacobian = 1: expected number in 0..0.5");
+    CHECK(result_of("min_certified_bound", "1") == "min_certified_bound = 1: expected number in 0..0.5");
 }
 
 TEST_CASE("the table of keys lists everything within 100 columns") {

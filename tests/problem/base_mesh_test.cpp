@@ -128,7 +128,7 @@ TEST_CASE("where neither the straight form nor the curved mesh is valid, both re
         CHECK(has(run.error, "the straight form of the mesh folds over itself; as it is in the file, ") ==
               (ideal == "auto"));
         CHECK(has(run.error, "proved invalid"));
-        CHECK(has(run.error, " proved invalid (id, centre, scaled Jacobian >=):\n  "));
+        CHECK(has(run.error, " proved invalid (id, centre, certified bound):\n  "));
     }
 }
 
@@ -145,7 +145,7 @@ TEST_CASE("a quadrilateral that is inverted at a corner is refused, with file, e
         CAPTURE(run.error);
         CHECK(run.code == 2);
         CHECK(has(run.error, "arrow.msh: 1 element with straight sides and a corner of 180 degrees or more (id, "
-                             "centre, scaled Jacobian >=):\n  7  (0.3, 0.3)  "));
+                             "centre, certified bound):\n  7  (0.3, 0.3)  "));
         CHECK(has(run.error, "\ntry almesh improve "));
     }
     const Outcome quality = almesh_with({"quality", mesh});
@@ -165,7 +165,7 @@ TEST_CASE("a target that inverts a corner of a quadrilateral is refused, and spl
         const Outcome run = almesh_with({deck}), split = almesh_with({deck, "split=auto"});
         CAPTURE(run.error + split.error);
         CHECK(run.code == 2);
-        CHECK(has(run.error, "at (0.125, 0.875): its boundary nodes make its scaled Jacobian -0.75"));
+        CHECK(has(run.error, "at (0.125, 0.875): its boundary nodes make its scaled determinant -0.75"));
         CHECK(has(run.error, "\ntry a mesh with more elements there or targets that do not invert them"));
         CHECK(!has(run.error, "split = auto"));
         CHECK(split.code == 1);

@@ -76,7 +76,7 @@ TEST_CASE("a file of expectations has a row for each, in their order") {
 
 TEST_CASE("text of an expectation reads back") {
     for (const char* text : {"status = converged", "nodes = 841", "relative_quality = 0.9365 +- 0.0005",
-                             "max_distortion <= 2.8", "min_scaled_jacobian >= 1e-3"})
+                             "max_distortion <= 2.8", "certified_bound >= 1e-3"})
         CHECK(to_string(parse_expectation(text)) == text);
     CHECK(to_string(parse_expectation("nodes=841")) == "nodes = 841");
 }

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 
+#include "check/certificate.hpp"
 #include "check/quality.hpp"
 #include "check/scaled_jacobian.hpp"
+#include "support/high_order.hpp"
 #include "support/meshes.hpp"
 #include "support/program.hpp"
 
@@ -57,6 +59,44 @@ TEST_CASE("quality.csv counts every element once in each column, those that are 
     // Right triangles: sin 45 / sin 60 degrees, and sqrt(3) / 2.
     CHECK(rows[1 + 16][3] == 2);
     CHECK(rows[1 + 17][5] == 2);
+}
+
+TEST_CASE("quality of one mesh: a row for each measure, the certified bound, and the worst elements with all three") {
+    const TemporaryFolder folder;
+    for (const int degree : {1, 2}) {
+        Mesh mesh = with_degree(square_mesh(4), degree);
+        mesh.x = mapped(mesh, [](double* p) { p[0] += 0.3 * p[1] * p[1]; });
+        const std::vector<double> corner = corner_jacobians(mesh, mesh.x);
+        const Certificate certificate = certify(mesh, mesh.x);
+        const std::string out = almesh_with({"quality", folder.write("mesh.msh", msh_of(mesh))}).out;
+        const std::string least = rounded_down(*std::min_element(corner.begin(), corner.end()), 4);
+        for (const std::string row : {degree == 1 ? "scaled Jacobian" : "scaled Jacobian*", "quality 1/eta"})
+            REQUIRE(has(out, "\n" + row + "  "));
+        CHECK(words(std::string_view(out).substr(out.find("\nscaled Jacobian") + 1))[2] == least);
+        CHECK(has(out, "\n* corners of the straight cells; the certified bound is that of the curved ones\n") ==
+              (degree == 2));
+        CHECK(has(out, "\ncertified valid: certified bound " +
+                           rounded_down(certificate.min_certified_bound, 6) + "\n"));
+        const std::vector<double>& measure = degree == 1 ? corner : certificate.certified_bound;
+        const auto worst = std::min_element(measure.begin(), measure.end()) - measure.begin();
+        const auto list = out.find("\nworst elements (id, centre, scaled Jacobian");
+        REQUIRE(list != std::string::npos);
+        const std::string first = pieces(out.substr(list + 1), '\n').at(1);
+        const auto row = words(first);
+        CHECK(row[0] == std::to_string(mesh.file.element_id[worst]));
+        CHECK(std::vector<std::string>(row.begin() + 3, row.end()) ==
+              std::vector<std::string>{rounded_down(corner[worst], 4),
+                                       rounded_down(certificate.certified_bound[worst], 4),
+                                       rounded_down(mesh_quality(mesh, mesh.x).quality[worst], 4)});
+    }
+}
+
+TEST_CASE("the table of a curved mesh says that its corners are those of straight cells") {
+    const Mesh mesh = with_degree(square_mesh(1), 2);
+    const std::string table = quality_table(quality_change(mesh, mesh.x, mesh.x), 2);
+    CHECK(has(table, "\nscaled Jacobian* before  "));
+    CHECK(has(table, "\n* corners of the straight cells"));
+    CHECK(!has(quality_table(quality_change(mesh, mesh.x, mesh.x), 1), "straight"));
 }
 
 TEST_CASE("quality with before= and improve print the same table of the same two meshes") {

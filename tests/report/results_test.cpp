@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "check/certificate.hpp"
+#include "check/scaled_jacobian.hpp"
 #include "problem/summary.hpp"
 #include "support/ring_deck.hpp"
 
@@ -35,7 +36,7 @@ TEST_CASE("a run prints its table and writes all files") {
         CHECK(!has(text, "inf"));
         CHECK(has(text, has(name, "boundary") ? "POINTS 24 " : "POINTS 48 "));
     }
-    for (const char* field : {"distortion", "quality", "min_scaled_jacobian", "element_id"})
+    for (const char* field : {"distortion", "quality", "scaled_jacobian", "certified_bound", "element_id"})
         CHECK(has(text_of(ring.output + "/final.vtk"), field));
     for (const char* field : {"multipliers", "multiplier_magnitude", "constraint"})
         CHECK(has(text_of(ring.output + "/boundary.vtk"), field));
@@ -125,7 +126,8 @@ TEST_CASE("the summary has every quantity in its order, with values that belong 
                                            "periodic_pairs",
                                            "periodic_mismatch",
                                            "refined_elements",
-                                           "min_scaled_jacobian",
+                                           "scaled_jacobian",
+                                           "certified_bound",
                                            "invalid_elements",
                                            "certified_valid",
                                            "certified_injective",
@@ -159,7 +161,7 @@ TEST_CASE("the summary has every quantity in its order, with values that belong 
     CHECK(summary.at("elements") == "72");
     CHECK(summary.at("threads") == "1");
     CHECK(summary.at("certified_valid") == "yes");
-    CHECK(number(summary, "min_scaled_jacobian") == 1);
+    CHECK(number(summary, "certified_bound") == 1);
     CHECK(number(summary, "constraint_norm") < 1e-7);
     CHECK(number(summary, "max_boundary_error") < 1e-6);
     CHECK(number(summary, "max_distortion") > 1);
@@ -172,6 +174,25 @@ TEST_CASE("the summary has every quantity in its order, with values that belong 
     CHECK(summary.at("coarse_newton_iterations") == "0");
     for (const std::string what : {"", "_boundary", "_node", "_element", "_x", "_y", "_z"})
         CHECK(summary.at("diagnosis" + what) == "none");
+}
+
+TEST_CASE("the scaled Jacobian at corners and the certified bound of the whole elements are told side by side") {
+    for (const int degree : {1, 2}) {
+        const RingDeck ring(raise_degree(ring_mesh(12, 2, 5), degree));
+        REQUIRE(ring.run().code == 0);
+        const Mesh mesh = mesh_of(ring.output + "/final.msh");
+        const std::string vtk = text_of(ring.output + "/final.vtk");
+        const std::vector<std::pair<std::string, std::vector<double>>> measures = {
+            {"scaled_jacobian", corner_jacobians(mesh, mesh.x)},
+            {"certified_bound", certify(mesh, mesh.x).certified_bound}};
+        for (const auto& [name, value] : measures) {
+            const std::vector<double> written = scalars(vtk, name);
+            REQUIRE(written.size() == value.size());
+            for (std::size_t e = 0; e < value.size(); ++e) CHECK(written[e] == doctest::Approx(value[e]).epsilon(1e-4));
+            CHECK(number(summary_of(ring.output), name) ==
+                  doctest::Approx(*std::min_element(value.begin(), value.end())).epsilon(1e-5));
+        }
+    }
 }
 
 TEST_CASE("the history belongs to the summary") {

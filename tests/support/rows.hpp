@@ -1,5 +1,6 @@
 // Text cut into cells, for files of rows.
 #pragma once
+#include <cstdlib>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -19,6 +20,23 @@ inline std::vector<std::vector<std::string>> csv_rows(const std::string& text) {
     std::vector<std::vector<std::string>> rows;
     for (const std::string& line : pieces(text, '\n')) rows.push_back(pieces(line, ','));
     return rows;
+}
+
+// The numbers below a heading in a VTK file; none where it is missing.
+inline std::vector<double> numbers_of(const std::string& vtk, const std::string& heading) {
+    const auto at = vtk.find(heading);
+    if (at == std::string::npos) return {};
+    std::vector<double> values;
+    const char* from = vtk.c_str() + at + heading.size();
+    for (char* end = nullptr;; from = end) {
+        const double value = std::strtod(from, &end);
+        if (end == from) return values;
+        values.push_back(value);
+    }
+}
+
+inline std::vector<double> scalars(const std::string& vtk, const std::string& name) {
+    return numbers_of(vtk, "SCALARS " + name + " double 1\nLOOKUP_TABLE default\n");
 }
 
 inline std::string with_crlf(const std::string& text) {

@@ -36,7 +36,7 @@ namespace {
 constexpr int most_halvings = 3;  // of the time between two frames
 
 const TextTable shown{{{"frame", 6}, {"t", 9}, {"status", -10}, {"Newton", 6}, {"max eta", 9}, {"q", 8},
-                       {"Jacobian", 8}, {"from", -6}, {"time", 8}}};
+                       {"certified bound", 15}, {"from", -6}, {"time", 8}}};
 
 struct FrameRun {
     // times: none where `coupling` has them. start: the deck whose target the problem has at first.
@@ -99,7 +99,7 @@ struct FrameRun {
         row.newton_steps = solution.newton_steps();
         row.max_distortion = last.max_distortion;
         row.relative_quality = last.relative_quality;
-        row.min_scaled_jacobian = solution.certificate.min_scaled_jacobian;
+        row.min_certified_bound = solution.certificate.min_certified_bound;
         row.certified = solution.injectivity.certified;
         if (row.between > 0 && !(row.has_mesh() && row.certified)) return;
         if (row.has_mesh() && folder_->is_kept()) {  // the meshes of an earlier coupled run
@@ -192,7 +192,7 @@ struct FrameRun {
         std::string note;
         if (!row.started_from.empty()) {
             cells.insert(cells.end(), {row.newton_steps, to_text(row.max_distortion, 4), fixed(row.relative_quality, 6),
-                                       rounded_down(row.min_scaled_jacobian, 4), row.started_from,
+                                       rounded_down(row.min_certified_bound, 4), row.started_from,
                                        fixed(row.seconds, 3) + "s"});
             if (!coupling_ && row.between == 0)
                 note = concat("  ", fixed(static_cast<double>(times_.size() - done_.size()) * spent_ /
