@@ -67,8 +67,8 @@ def almesh(*words):
 def quality(path):
     """Worst shape quality of a mesh; 0 where it is not certified."""
     out = almesh("quality", str(path), "threads=1").stdout
-    valid = "all elements certified valid" in out and "certified injective" in out and "NOT" not in out
-    return float(re.search(r"simplex: min (\S+),", out)[1]) if valid else 0.0
+    valid = "\ncertified valid: " in out and "certified injective" in out and "NOT" not in out
+    return float(re.search(r"^quality 1/eta +(\S+)", out, re.M)[1]) if valid else 0.0
 
 
 def deck(mesh, output, *more, program=("./almesh",)):

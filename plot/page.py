@@ -40,7 +40,8 @@ TIME = "t = {:.6g}"
 FIELDS = {
     "distortion": ("distortion η", "compared with the initial mesh; no unit, 1: undistorted", 1),
     "quality": ("quality 1/η", "no unit, 1: undistorted, 0: flat", -1),
-    "min_scaled_jacobian": ("scaled Jacobian", "lower bound in the whole element; no unit, above 0: proved valid", -1),
+    "scaled_jacobian": ("scaled Jacobian", "the least at a corner of the straight cell; no unit, 1: regular", -1),
+    "certified_bound": ("certified bound", "of det J in the whole element; no unit, above 0: proved valid", -1),
     "element_id": ("element id", "as in final.msh", 1),
 }
 

@@ -68,9 +68,9 @@ REGULAR = {"triangle": [[0, 0], [1, 0], [0.5, 0.75 ** 0.5]],
            "pyramid": [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 0.5, 0.5 ** 0.5]]}
 
 
-def corner_jacobians(block, x):
+def corner_jacobians(block, x, signs):
     """Per element: the least, over the corners, of the determinant of unit vectors along the edges there, over that of
-    the regular cell (Knupp 2000)."""
+    the regular cell (Knupp 2000), times its sign."""
     cell, found = block.cell, []
     regular = np.array([REGULAR.get(cell.name, cell.vertices)], float)
     for v in range(len(cell.vertices)):
@@ -83,7 +83,7 @@ def corner_jacobians(block, x):
                 with np.errstate(all="ignore"):
                     return np.nan_to_num(det(ways / np.linalg.norm(ways, axis=2)[:, :, None]))
             found.append(at(x[block.nodes[:, :len(cell.vertices)]][:, :, :cell.dim]) / at(regular))
-    return np.min(found, axis=0)
+    return np.min(found * signs, axis=0)
 
 
 def to_reference(cell, at):
