@@ -286,14 +286,9 @@ void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, cons
         print(out, "the Cholesky factor takes ", shown(solution.refused_bytes / 1e9, 3),
               " GB, more than this machine's memory\n");
     const bool shows = solution.diagnosis.kind != DiagnosisKind::none && deck.vtk != VtkOutput::none;
-<<<<<<< HEAD
-    print(out, judgement(problem, solution), ": scaled Jacobian >= ",
-          rounded_down(solution.certificate.min_scaled_jacobian, 4), " everywhere; ",
-          made_better ? "in " + fixed(solution.time.total, 2) + " s; " : "", "results in ", deck.output,
-=======
     print(out, judgement(problem, solution), ": certified bound ",
-          rounded_down(solution.certificate.min_certified_bound, 4), "; results in ", deck.output,
->>>>>>> d14a91a9 (Words: the scaled Jacobian is that of corners, what the certificate proves is the certified bound)
+          rounded_down(solution.certificate.min_certified_bound, 4), "; ",
+          made_better ? "in " + fixed(solution.time.total, 2) + " s; " : "", "results in ", deck.output,
           shows ? ", the elements around it in stop.vtk" : "", "\n");
 }
 
