@@ -86,7 +86,8 @@ def faults_of(file, result, seconds):
     is_valid = "\ncertified valid: " in before.stdout
     if is_valid and float(rows[1]) < float(rows[0]):
         faults.append("the least scaled Jacobian of a corner became lower")
-    if is_valid and certified_bound(after.stdout) < certified_bound(before.stdout):
+    is_curved = " of degree 1, " not in run.stdout.partition("\n")[0]
+    if is_valid and is_curved and certified_bound(after.stdout) < certified_bound(before.stdout):
         faults.append("the certified bound became lower")
     table = after.stdout.partition("largest/edge   RMS/edge\n")[2].partition("\n\n")[0]
     is_off = any(float(row.split()[-2]) > TOLERANCE for row in table.splitlines())

@@ -341,7 +341,7 @@ bool is_better(const ProblemOptions& options, Problem& problem, std::vector<doub
 void set_regular_elements(Problem& problem) {
     const Mesh& mesh = problem.mesh();
     std::vector<char> valid;
-    for (const double bound : certify(mesh, mesh.x).lower_bound) valid.push_back(bound > 0);
+    for (const double bound : certify(mesh, mesh.x).certified_bound) valid.push_back(bound > 0);
     problem.regular = local_volumes(mesh, mesh.x, valid);
 }
 

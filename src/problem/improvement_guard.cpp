@@ -43,7 +43,7 @@ std::string factor_text(double factor) {
 ImprovementGuard::ImprovementGuard(const ProblemOptions& options, const Problem& problem, const std::vector<double>& x)
     : options_(options), problem_(problem), mesh_(problem.mesh()), size_(element_sizes(mesh_, x)), height_(heights(x)),
       has_layers_(mesh_.boundaries.size(), 0), least_(std::numeric_limits<double>::infinity()) {
-    const std::vector<double> values = guarded(x, certify(mesh_, x).lower_bound);
+    const std::vector<double> values = guarded(x, certify(mesh_, x).certified_bound);
     for (int e = 0; e < mesh_.element_count(); ++e)
         if (is_feasible(e)) least_ = std::min(least_, values[e]);
     find_layers();
@@ -106,7 +106,7 @@ std::vector<char> ImprovementGuard::on_layers() const {
 bool ImprovementGuard::take(const std::vector<double>& from, std::vector<double>& to, Surface surface) const {
     const double most = std::log1p(size_change_) * (1 + 1e-9);
     for (int attempt = 0; attempt < attempts && to != from; ++attempt) {
-        const std::vector<double> bound = certify(mesh_, to).lower_bound, value = guarded(to, bound),
+        const std::vector<double> bound = certify(mesh_, to).certified_bound, value = guarded(to, bound),
                                   size = element_sizes(mesh_, to);
         std::vector<double> off;
         if (surface == Surface::is_measured) off = distances_from_surface(problem_, to);
@@ -134,12 +134,11 @@ std::string ImprovementGuard::sizes_text(const std::vector<double>& x) const {
     std::string layers;
     for (std::size_t b = 0; b < has_layers_.size(); ++b)
         if (has_layers_[b]) layers += (layers.empty() ? "" : ", ") + mesh_.boundaries[b];
-    const std::string why = options_.size_change ? "" :
-                            size_change_ > 0 ? ", for the layers of flat cells at " + layers + " (size_change = 0: free)"
-                                             : ": no layers of flat cells (size_change = 0.2 keeps them)";
-    return concat("sizes of elements changed by up to ", factor_text(largest_factor(size_, element_sizes(mesh_, x))),
-                  ", heights of cells at the boundary by ", factor_text(largest_factor(height_, heights(x))), "; ",
-                  size_change_ > 0 ? "kept within " + factor_text(1 + size_change_) : "free", why);
+    const std::string why = options_.size_change ? "size_change" : layers.empty() ? "no layers of flat cells"
+                                                                                  : "layers of flat cells at " + layers;
+    return concat("sizes changed by up to ", factor_text(largest_factor(size_, element_sizes(mesh_, x))),
+                  ", heights at the boundary by ", factor_text(largest_factor(height_, heights(x))), " (",
+                  size_change_ > 0 ? "kept within " + factor_text(1 + size_change_) : "free", ": ", why, ")");
 }
 
 std::string ImprovementGuard::least_text(const std::vector<double>& from, const std::vector<double>& x,

@@ -266,7 +266,7 @@ TEST_CASE("what a user reads of a mesh that is made better has at most twelve li
     const Outcome outcome = improved(folder, "tangled.msh");
     CHECK(std::count(outcome.out.begin(), outcome.out.end(), '\n') <= 12);
     for (const char* what : {" invalid in the file, 0 left after ", "\nleast scaled Jacobian raised from ", " has it: ",
-                             "sizes of elements changed by up to ", "; free: no layers of flat cells (",
+                             "sizes changed by up to ", " (free: no layers of flat cells)\n",
                              " s; results in "})
         CHECK(has(outcome.out, what));
     // A corner of the mesh whose nodes are all held.

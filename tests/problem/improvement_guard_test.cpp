@@ -64,7 +64,7 @@ TEST_CASE("layers at a wall keep their spacing and all elements their sizes, of 
             settings.insert(settings.begin(), {"improve", file, "output=" + results, "threads=1"});
             const Outcome outcome = almesh_with(settings);
             CHECK(outcome.code == 0);
-            CHECK(has(outcome.out, "; kept within ") != (settings.back() == "size_change=0"));
+            CHECK(has(outcome.out, " (kept within ") != (settings.back() == "size_change=0"));
             const Mesh after = mesh_of(results + "/final.msh");
             CHECK(least_corner_jacobian(after, after.x) >= least_corner_jacobian(mesh, mesh.x));
             return changes(mesh, after);
