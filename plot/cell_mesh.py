@@ -1,8 +1,9 @@
-"""Meshes as arrays: gmsh's MSH 2.2 read and written, boundary nodes, and the scaled Jacobian of every cell. numpy.
+"""Meshes as arrays: gmsh's MSH 2.2 and 4.1 read as text (all else by meshio), 2.2 written, boundary nodes, and the
+scaled Jacobian of every cell. numpy.
 
 The scaled Jacobian of a cell is the least, over its corners, of the determinant of the edges there over the product of
-their lengths, divided by that of the regular cell: 1 for a regular cell, not above 0 for an inverted one. In a curved
-triangle or tetrahedron it is the least over a grid of points of the same with the edges J e of the straight element for
+their lengths, divided by that of the regular cell: 1 for a regular cell, not above 0 for an inverted one. The apex of a
+pyramid has four corners, each of three edges side by side. In a curved triangle or tetrahedron it is the least over a grid of points of the same with the edges J e of the straight element for
 the Jacobian matrix J at the point.
 """
 import collections
@@ -38,7 +39,12 @@ TYPES = {t.number: t for t in (
                    (4, 7, 5, 0), (5, 4, 6, 1), (6, 5, 7, 2), (7, 6, 4, 3)],
          [(0, 3, 2, 1), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7), (4, 5, 6, 7)]),
     Type(6, 3, 6, [(0, 1, 2, 3), (1, 2, 0, 4), (2, 0, 1, 5), (3, 5, 4, 0), (4, 3, 5, 1), (5, 4, 3, 2)],
-         [(0, 2, 1), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)], SIN60))}
+         [(0, 2, 1), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)], SIN60),
+    Type(7, 3, 5, [(0, 1, 3, 4), (1, 2, 0, 4), (2, 3, 1, 4), (3, 0, 2, 4),
+                   (4, 0, 2, 1), (4, 1, 3, 2), (4, 2, 0, 3), (4, 3, 1, 0)],
+         [(0, 3, 2, 1), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)], TET_REGULAR))}
+MESHIO = {"vertex": 15, "line": 1, "line3": 8, "triangle": 2, "triangle6": 9, "quad": 3, "tetra": 4, "tetra10": 11,
+          "hexahedron": 5, "wedge": 6, "pyramid": 7}
 FACE = {2: 1, 3: 2, 4: 3}  # type of a face by its vertices
 # The nodes of degree 2 in gmsh's order: vertices, then middles of edges.
 POINTS = {9: np.array([(0, 0), (1, 0), (0, 1), (.5, 0), (.5, .5), (0, .5)]),
@@ -50,6 +56,8 @@ class CellMesh:
     """x: n x 3. blocks: {gmsh's type: (entity of each, its nodes from 0)}."""
 
     def __init__(self, x, blocks):
+        if unknown := set(blocks) - set(TYPES):
+            raise ValueError(f"no measure for cells of gmsh's types {', '.join(map(str, sorted(unknown)))}")
         self.x, self.blocks = np.array(x, float), blocks
         self.dim = max(TYPES[t].dim for t in blocks)
 
@@ -64,8 +72,8 @@ class CellMesh:
                 on[nodes[entities == entity] if entity is not None else nodes] = True
         return on
 
-    def add_boundary(self):
-        """The faces of one cell alone, as entity 1."""
+    def outer_faces(self):
+        """{gmsh's type: nodes} of the faces of one cell alone, straight."""
         found = {}
         for cell, nodes in self.cells():
             for face in cell.faces:
@@ -75,8 +83,12 @@ class CellMesh:
         for rows in found.values():
             if len(rows) == 1:
                 outer[FACE[len(rows[0])]].append(rows[0])
-        for t, rows in outer.items():
-            self.blocks[t] = (np.ones(len(rows), int), np.array(rows))
+        return {t: np.array(rows) for t, rows in outer.items()}
+
+    def add_boundary(self):
+        """The faces of one cell alone, as entity 1."""
+        for t, rows in self.outer_faces().items():
+            self.blocks[t] = (np.ones(len(rows), int), rows)
 
     def scaled_jacobians(self):
         return np.concatenate([scaled_jacobians(self.x[nodes], cell) for cell, nodes in self.cells()])
@@ -117,19 +129,56 @@ def ratio(edges):
 
 
 def read(path):
-    lines = Path(path).read_text().split("\n")
-    at = lines.index("$Nodes")
-    count = int(lines[at + 1])
-    table = np.array([line.split() for line in lines[at + 2:at + 2 + count]], float)
-    number = np.zeros(int(table[:, 0].max()) + 1, int)
-    number[table[:, 0].astype(int)] = np.arange(count)
-    at = lines.index("$Elements")
-    rows = {}
-    for line in lines[at + 2:at + 2 + int(lines[at + 1])]:
-        words = line.split()
-        rows.setdefault(int(words[1]), []).append([words[4], *words[3 + int(words[2]):]])
+    """Raises ValueError, or what meshio does, where the file cannot be read."""
+    head = Path(path).read_bytes()[:64].split()
+    if head[:1] != [b"$MeshFormat"] or head[2:3] != [b"0"] or head[1] not in (b"2.2", b"4.1"):
+        return read_by_meshio(path)
+    lines = [line.strip() for line in Path(path).read_text(errors="replace").split("\n")]
+    part = lambda name: (line.split() for line in lines[lines.index(name) + 1:])
+    parts = part("$Nodes"), part("$Elements")
+    ids, x, rows = (read_2 if head[1] == b"2.2" else read_4)(*parts)
+    number = np.full(max(ids) + 1, -1)
+    number[ids] = np.arange(len(ids))
     blocks = {t: np.array(of_type, int) for t, of_type in rows.items()}
-    return CellMesh(table[:, 1:], {t: (table[:, 0], number[table[:, 1:]]) for t, table in blocks.items()})
+    return CellMesh(np.array(x, float), {t: (table[:, 0], number[table[:, 1:]]) for t, table in blocks.items()})
+
+
+def read_2(nodes, elements):
+    """(ids of nodes, their coordinates as text, {type: rows of entity and nodes}); both: lines of words, from the count."""
+    table = [next(nodes) for _ in range(int(next(nodes)[0]))]
+    rows = {}
+    for words in (next(elements) for _ in range(int(next(elements)[0]))):
+        tags = int(words[2])
+        rows.setdefault(int(words[1]), []).append([words[4] if tags > 1 else 0, *words[3 + tags:]])
+    return [int(words[0]) for words in table], [words[1:4] for words in table], rows
+
+
+def read_4(nodes, elements):
+    """The same of MSH 4.1, in which there are blocks of nodes, and of elements, of one entity."""
+    ids, x, rows = [], [], {}
+    for _ in range(int(next(nodes)[0])):
+        count = int(next(nodes)[3])
+        ids += [int(next(nodes)[0]) for _ in range(count)]
+        x += [next(nodes)[:3] for _ in range(count)]
+    for _ in range(int(next(elements)[0])):
+        _, entity, kind, count = map(int, next(elements))
+        rows.setdefault(kind, []).extend([entity, *next(elements)[1:]] for _ in range(count))
+    return ids, x, rows
+
+
+def read_by_meshio(path):
+    import meshio
+    mesh = meshio.read(path)
+    if unknown := {block.type for block in mesh.cells} - set(MESHIO):
+        raise ValueError(f"no measure for cells of meshio's types {', '.join(sorted(unknown))}")
+    rows = collections.defaultdict(list)
+    for block in mesh.cells:
+        order = [*range(8), 9, 8] if block.type == "tetra10" else slice(None)  # of VTK's
+        rows[MESHIO[block.type]].append(block.data[:, order])
+    blocks = {t: np.concatenate(parts) for t, parts in rows.items()}
+    x = np.zeros((len(mesh.points), 3))
+    x[:, :mesh.points.shape[1]] = mesh.points
+    return CellMesh(x, {t: (np.ones(len(nodes), int), nodes) for t, nodes in blocks.items()})
 
 
 def write(mesh, path):
