@@ -1,7 +1,12 @@
 """Meshes that are inverted or poor, for compare_improve.py: grids of tests/untangle.py, meshes of gmsh that are disturbed,
-gmsh's unoptimised ones, and curved ones of degree 2. Every case but the curved has a valid mesh with the same boundary.
+gmsh's unoptimised ones, its hexahedra (four of each tetrahedron) and quadrilaterals (of pairs of triangles), and curved
+ones of degree 2. Every case but the curved has a valid mesh with the same boundary.
+
+  plot/improve_cases.py FOLDER NAME...   writes NAME.msh for those whose names contain one of the words
 """
+import math
 import sys
+from pathlib import Path
 
 import numpy as np
 
@@ -66,17 +71,80 @@ def meshed(shape, h, folder, order=1):
         gmsh.option.setNumber("Mesh.MeshSizeMax", h)
     for option in ("Optimize", "OptimizeNetgen", "HighOrderOptimize"):
         gmsh.option.setNumber("Mesh." + option, 0)
+    return generated(gmsh, dim, folder, order)
+
+
+def generated(gmsh, dim, folder, order=1):
+    """The mesh of the model in gmsh, which ends."""
     gmsh.option.setNumber("Mesh.SaveAll", 1)
     gmsh.model.mesh.generate(dim)
     gmsh.model.mesh.setOrder(order)
     gmsh.write(str(folder / "meshed.msh"))
     gmsh.finalize()
     mesh = cell_mesh.read(folder / "meshed.msh")
+    (folder / "meshed.msh").unlink()
     mesh.blocks = {t: block for t, block in mesh.blocks.items() if cell_mesh.TYPES[t].dim >= dim - 1}
     used = np.unique(np.concatenate([nodes.ravel() for _, nodes in mesh.cells()]))
     number = np.zeros(len(mesh.x), int)
     number[used] = np.arange(len(used))
     return cell_mesh.CellMesh(mesh.x[used], {t: (e, number[nodes]) for t, (e, nodes) in mesh.blocks.items()})
+
+
+def bracket(occ):
+    angle = occ.cut([(3, occ.addBox(0, 0, 0, 4, 1, 3))], [(3, occ.addBox(1, -1, 1, 4, 3, 3))])[0]
+    occ.cut(angle, [(3, occ.addCylinder(2.8, 0.5, -1, 0, 0, 3, 0.25)),
+                    (3, occ.addCylinder(-1, 0.5, 2.2, 4, 0, 0, 0.25))])
+
+
+def branch(occ):
+    """A pipe with a stub."""
+    outside = occ.fuse([(3, occ.addCylinder(0, 0, 0, 0, 0, 3, 1))],
+                       [(3, occ.addCylinder(0, 0, 1.5, 2.5, 0, 0, 0.6))])[0]
+    occ.cut(outside, [(3, occ.addCylinder(0, 0, -1, 0, 0, 5, 0.6))])
+
+
+def drilled(occ):
+    holes = ((1, 0.6, 0.3), (2.1, 1.3, 0.35), (3.2, 0.6, 0.25), (3.3, 1.45, 0.2))  # x, y, radius
+    occ.cut([(3, occ.addBox(0, 0, 0, 4, 2, 0.5))], [(3, occ.addCylinder(x, y, -1, 0, 0, 3, r)) for x, y, r in holes])
+
+
+def corner(occ):
+    occ.cut([(3, occ.addBox(0, 0, 0, 2, 2, 1))], [(3, occ.addBox(0.8, 0.7, -1, 2, 2, 3))])
+
+
+def polygon(occ, points):
+    tags = [occ.addPoint(x, y, 0) for x, y in points]
+    return occ.addPlaneSurface([occ.addCurveLoop([occ.addLine(a, b) for a, b in zip(tags, tags[1:] + tags[:1])])])
+
+
+def pierced(occ):
+    occ.cut([(2, occ.addRectangle(-1, -0.5, 0, 2, 1))],
+            [(2, occ.addDisk(-0.3, 0.1, 0, 0.22, 0.22)), (2, occ.addDisk(0.5, -0.1, 0, 0.3, 0.12))])
+
+
+def gear(occ):
+    flank = ((0.1, 0.75), (0.4, 0.75), (0.5, 1), (0.9, 1))  # of a tooth: part of its turn, radius
+    turns = [(2 * math.pi * (tooth + part) / 12, r) for tooth in range(12) for part, r in flank]
+    occ.cut([(2, polygon(occ, [(r * math.cos(t), r * math.sin(t)) for t, r in turns]))],
+            [(2, occ.addDisk(0, 0, 0, 0.3, 0.3))])
+
+
+def sharp(occ):
+    """A corner of 18 degrees, and one that enters."""
+    polygon(occ, [(0, 0), (2, 0), (2, 1), (1.2, 0.62), (0.9, 0.9), (0.75, 0.25)])
+
+
+def without_simplices(build, h, folder, **options):
+    """By gmsh: hexahedra, four of each tetrahedron, or, with a RecombinationAlgorithm, quadrilaterals made of triangles
+    of Delaunay's method, not smoothed. RecombinationAlgorithm: 1 blossom, 2 full-quad, 3 full-quad by blossom."""
+    gmsh = cad.start_gmsh()
+    build(gmsh.model.occ)
+    gmsh.model.occ.synchronize()
+    plane = {"RecombineAll": 1, "RecombineOptimizeTopology": 0, "Algorithm": 5, "Smoothing": 0}
+    for option, value in {"MeshSizeMax": h, "MeshSizeMin": h / 2,
+                          **(plane if options else {"SubdivisionAlgorithm": 2}), **options}.items():
+        gmsh.option.setNumber("Mesh." + option, value)
+    return generated(gmsh, 2 if options else 3, folder)
 
 
 def disturbed(mesh, how, h, amount, seed):
@@ -126,7 +194,27 @@ CASES = {
     "hex-jittered": (1, lambda folder: jittered("hex", 12, 1)),
     "tri-jittered": (0, lambda folder: jittered("tri", 40, 1)),
     "quad-jittered": (0, lambda folder: jittered("quad", 30, 1)),
+    "bracket-hexes": (1, lambda folder: without_simplices(bracket, 0.35, folder)),
+    "pipe-hexes": (0, lambda folder: without_simplices(branch, 0.35, folder)),
+    "torus-hexes": (0, lambda folder: without_simplices(lambda occ: occ.addTorus(0, 0, 0, 1, 0.4), 0.3, folder)),
+    "drilled-hexes": (0, lambda folder: without_simplices(drilled, 0.3, folder)),
+    "corner-hexes": (0, lambda folder: without_simplices(corner, 0.3, folder)),
+    "pierced-quads": (0, lambda folder: without_simplices(pierced, 0.03, folder, RecombinationAlgorithm=1)),
+    "gear-quads": (0, lambda folder: without_simplices(gear, 0.03, folder, RecombinationAlgorithm=3)),
+    "sharp-quads": (1, lambda folder: without_simplices(sharp, 0.03, folder, RecombinationAlgorithm=2)),
     "ring-curved": (0, lambda folder: meshed("ring", 0.5, folder, 2)),
     "torus-curved": (0, lambda folder: meshed("torus", 0.35, folder, 2)),
     "ellipsoid-curved": (0, lambda folder: meshed("ellipsoid", 0.4, folder, 2)),
 }
+
+
+def main(folder, *words):
+    for name in (n for n in CASES if any(word in n for word in words)):
+        mesh = CASES[name][1](Path(folder))
+        cell_mesh.write(mesh, Path(folder) / f"{name}.msh")
+        values = mesh.scaled_jacobians()
+        print(f"{name}: {len(values)} cells, least {values.min():.4f}, not positive {(values <= 0).sum()}")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
