@@ -3,10 +3,12 @@ scaled Jacobian of every cell. numpy.
 
 The scaled Jacobian of a cell is the least, over its corners, of the determinant of the edges there over the product of
 their lengths, divided by that of the regular cell: 1 for a regular cell, not above 0 for an inverted one. The apex of a
-pyramid has four corners, each of three edges side by side. In a curved triangle or tetrahedron it is the least over a grid of points of the same with the edges J e of the straight element for
-the Jacobian matrix J at the point.
+pyramid has four corners, each of three edges side by side. In a curved triangle or tetrahedron it is the least over a
+grid of points of the same with the edges J e of the straight element for the Jacobian matrix J at the point.
 """
 import collections
+import contextlib
+import io
 import itertools
 from pathlib import Path
 
@@ -129,14 +131,16 @@ def ratio(edges):
 
 
 def read(path):
-    """Raises ValueError, or what meshio does, where the file cannot be read."""
+    """Raises ValueError where the file cannot be read."""
     head = Path(path).read_bytes()[:64].split()
     if head[:1] != [b"$MeshFormat"] or head[2:3] != [b"0"] or head[1] not in (b"2.2", b"4.1"):
         return read_by_meshio(path)
     lines = [line.strip() for line in Path(path).read_text(errors="replace").split("\n")]
     part = lambda name: (line.split() for line in lines[lines.index(name) + 1:])
-    parts = part("$Nodes"), part("$Elements")
-    ids, x, rows = (read_2 if head[1] == b"2.2" else read_4)(*parts)
+    try:
+        ids, x, rows = (read_2 if head[1] == b"2.2" else read_4)(part("$Nodes"), part("$Elements"))
+    except (StopIteration, RuntimeError, IndexError, ValueError) as error:
+        raise ValueError(f"no mesh that ends as it should: {error!r}")
     number = np.full(max(ids) + 1, -1)
     number[ids] = np.arange(len(ids))
     blocks = {t: np.array(of_type, int) for t, of_type in rows.items()}
@@ -144,7 +148,8 @@ def read(path):
 
 
 def read_2(nodes, elements):
-    """(ids of nodes, their coordinates as text, {type: rows of entity and nodes}); both: lines of words, from the count."""
+    """(ids of nodes, their coordinates as text, {type: rows of entity and nodes}). nodes, elements: lines of words, of
+    which the first has the count."""
     table = [next(nodes) for _ in range(int(next(nodes)[0]))]
     rows = {}
     for words in (next(elements) for _ in range(int(next(elements)[0]))):
@@ -168,7 +173,11 @@ def read_4(nodes, elements):
 
 def read_by_meshio(path):
     import meshio
-    mesh = meshio.read(path)
+    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):  # its remarks
+        try:
+            mesh = meshio.read(path)
+        except (Exception, SystemExit) as error:
+            raise ValueError(f"meshio cannot read it: {error!r}")
     if unknown := {block.type for block in mesh.cells} - set(MESHIO):
         raise ValueError(f"no measure for cells of meshio's types {', '.join(sorted(unknown))}")
     rows = collections.defaultdict(list)

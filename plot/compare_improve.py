@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """`almesh improve` beside other programs that make the same bad meshes better, in one table.
 
-  plot/compare_improve.py          the same as `make compare-improve`: all cases, ten minutes
-  plot/compare_improve.py --quick  `make compare-improve QUICK=1`: seven cases, half a minute
+  plot/compare_improve.py          the same as `make compare-improve`: all cases, a quarter of an hour
+  plot/compare_improve.py --quick  `make compare-improve QUICK=1`: nine cases, a minute
   plot/compare_improve.py NAME...  those whose names contain one of the words
   --keep                           with what an earlier run has of the other programs
 
@@ -17,6 +17,8 @@ Move nodes alone, the boundary fixed:
   gmsh elastic      of curved meshes: optimize("HighOrderElastic"), then "HighOrder"
   mmg3d moves       mmg3d -noinsert -noswap -nosurf, where mmg3d or mmg3d_O3 is on the PATH
   foldover, slim    of foldover.py, after the papers; slim from valid meshes only
+  corners           of corners.py: L-BFGS on the corners; not of curved meshes; a column of its own, for it is the least
+                    that is to be reached
   almesh            `almesh improve` with `boundary rest = fixed`
   almesh minimax    with objective = minimax too
 Change edges or insert nodes too, the boundary fixed:
@@ -30,6 +32,7 @@ Times are the user time of one process and thread, from reading a file to writin
 Columns of a result: cells inverted; least scaled Jacobian of the cells that have a node inside; mean of all; seconds.
 """
 import csv
+import importlib
 import os
 import re
 import resource
@@ -108,10 +111,9 @@ def by_mmg(source, target):
     gmsh.write(target)
 
 
-def by_script(source, target, method):
-    import foldover
+def by_script(source, target, module, method, **options):
     mesh = cell_mesh.read(source)
-    getattr(foldover, method)(mesh)
+    getattr(importlib.import_module(module), method)(mesh, **options)
     cell_mesh.write(mesh, target)
 
 
@@ -121,13 +123,13 @@ PEERS = {
     "gmsh HighOrder": lambda s, t: by_gmsh(s, t, "HighOrder"),
     "gmsh elastic": lambda s, t: by_gmsh(s, t, "HighOrderElastic", "HighOrder"),
     "mmg3d moves": by_mmg,
-    "foldover": lambda s, t: by_script(s, t, "foldover"),
-    "slim": lambda s, t: by_script(s, t, "slim"),
+    "foldover": lambda s, t: by_script(s, t, "foldover", "foldover"),
+    "slim": lambda s, t: by_script(s, t, "foldover", "slim"),
+    "corners": lambda s, t: by_script(s, t, "corners", "improve", seconds=LIMIT / 2),
     "gmsh Optimize": lambda s, t: by_gmsh(s, t, ""),
     "Netgen": by_netgen,
     "tetgen": by_tetgen}
 CHANGE_EDGES = {"gmsh Optimize", "Netgen", "tetgen"}
-SCRIPTS = {"foldover", "slim"}
 
 
 def peer(name, source, target):
@@ -141,9 +143,9 @@ def peers_of(mesh, valid):
     if types & {9, 11}:
         return ["gmsh HighOrder", "gmsh elastic"]
     if mesh.dim == 2:
-        return ["gmsh Relocate", "gmsh Laplace", "foldover"] + ["slim"] * valid
+        return ["gmsh Relocate", "gmsh Laplace", "foldover"] + ["slim"] * valid + ["corners"]
     more = ["mmg3d moves", "gmsh Optimize", "Netgen", "tetgen"] if types == {4} else []
-    return ["gmsh Relocate", "foldover"] + ["slim"] * valid + more
+    return ["gmsh Relocate", "foldover"] + ["slim"] * valid + ["corners"] + more
 
 
 # ---------------------------------------------------------------- the table
@@ -246,34 +248,36 @@ def moving(results):
     return best(results, [m for m in results if m not in CHANGE_EDGES and m not in OWN and m != "before"])
 
 
-def times(results, own):
-    """Least scaled Jacobian over that of the best peer that moves nodes and leaves none inverted, or None."""
-    peer_result, ours = moving(results)[1], results[own]
-    if isinstance(ours, str) or peer_result is None or peer_result.inverted:
-        return None
-    return ours.least / peer_result.least
+def times(results, own, of):
+    """Least scaled Jacobian over that of the result `of`, or None where one is missing or leaves cells inverted."""
+    ours = results[own]
+    return None if isinstance(ours, str) or not isinstance(of, Result) or of.inverted else ours.least / of.least
 
 
 def row(name, results):
-    cell = lambda method: results[method] if isinstance(results[method], str) else results[method].text()
-    ratios = [times(results, own) for own in OWN]
+    cell = lambda method: r.text() if isinstance(r := results.get(method, "-"), Result) else r
+    ratios = [times(results, own, moving(results)[1]) for own in OWN]
     before = results["before"]
-    return (f"| {name} | {before.inverted}; {before.least:.2g} | {moving(results)[0]} | "
+    return (f"| {name} | {before.inverted}; {before.least:.2g} | {moving(results)[0]} | {cell('corners')} | "
             f"{best(results, CHANGE_EDGES)[0]} | {' | '.join(map(cell, OWN))} | "
             + ", ".join("-" if r is None else f"{r:.2f}" for r in ratios) + " |")
 
 
 def counts(of_case):
-    """Lines that compare every way to run almesh with the best peer that moves nodes. of_case: [results]."""
+    """Lines that compare every way to run almesh with the best peer that moves nodes, and with corners. of_case:
+    [results]."""
     lines = []
     for own in OWN:
         valid = sum(isinstance(r[own], Result) and r[own].inverted == 0 for r in of_case)
-        compared = [(times(r, own), r[own].seconds, moving(r)[1].seconds) for r in of_case if times(r, own)]
+        compared = [(times(r, own, moving(r)[1]), r[own].seconds, moving(r)[1].seconds) for r in of_case
+                    if times(r, own, moving(r)[1])]
+        corners = [t for t in (times(r, own, r.get("corners")) for r in of_case) if t]
         lines.append(f"{own}: no cell inverted in {valid} of {len(of_case)} cases; best peer that moves nodes: in "
                      f"{sum(moving(r)[1] is not None and moving(r)[1].inverted == 0 for r in of_case)}; least scaled "
                      f"Jacobian at least its in {sum(t >= 0.9995 for t, *_ in compared)} of {len(compared)}, at least "
                      f"1.2 times its in {sum(t >= 1.2 for t, *_ in compared)}; faster in "
-                     f"{sum(a <= b for _, a, b in compared)}")
+                     f"{sum(a <= b for _, a, b in compared)}; least at least that of corners in "
+                     f"{sum(t >= 0.9995 for t in corners)} of {len(corners)}")
     return lines
 
 
@@ -302,8 +306,8 @@ def main(words):
               if (quick if "--quick" in words else not names or any(w in n for w in names))]
     FOLDER.mkdir(parents=True, exist_ok=True)
     table = read_table()
-    lines = ["| case | inverted; least | best that moves nodes | best that changes edges | " + " | ".join(OWN)
-             + " | least over that of the best that moves nodes |", "|---" * (5 + len(OWN)) + "|"]
+    lines = ["| case | inverted; least | best that moves nodes | corners | best that changes edges | "
+             + " | ".join(OWN) + " | least over that of the best that moves nodes |", "|---" * (6 + len(OWN)) + "|"]
     print("\n".join(lines))
     for name in chosen:
         table[name] = compare(name, table.get(name, {}) if "--keep" in words else {})

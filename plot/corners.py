@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""A baseline for `almesh improve` that knows nothing of it: corners of straight cells, and nodes moved for the least one.
+"""A baseline for `almesh improve` that knows nothing of it: corners of straight cells, and nodes moved for the least.
 
   plot/corners.py FILE ...            number of cells; least, first per cent and mean of their least corners
-  plot/corners.py improve FILE [TO]   before and after, with the seconds, and the least corner with all nodes fixed, which
-                                      no such method exceeds; the mesh is written to TO, in MSH 2.2
+  plot/corners.py improve FILE [TO]   before and after, with the seconds, and the least corner with all nodes fixed,
+                                      which no such method exceeds; the mesh is written to TO, in MSH 2.2
 
 The scaled Jacobian s of a corner is Verdict's: the determinant of the edges there over the product of their lengths,
 divided by that of the regular cell (cell_mesh.py). The nodes inside move and the boundary stays: L-BFGS (scipy)
@@ -73,14 +73,18 @@ class Corners:
         return self.scaled(x)[0].min(initial=np.inf)
 
 
-def improve(mesh):
-    """Moves the nodes inside. The least s of a corner whose nodes are all fixed. Raises ValueError of curved cells."""
+def improve(mesh, seconds=np.inf):
+    """Moves the nodes inside; after these seconds of the processor for no further k. Returns the least s of a corner
+    whose nodes are all fixed. Raises ValueError of curved cells."""
+    end = time.process_time() + seconds
     fixed = on_boundary(mesh)
     nodes, regular = corners_of(mesh)
     moves = ~fixed[nodes].all(axis=1)
     corners = Corners(nodes[moves], regular[moves], mesh.x)
     best, x = mesh.x, mesh.x
     for k in POWERS if moves.any() else []:
+        if time.process_time() > end:
+            break
         x = minimised(corners, ~fixed, mesh.dim, x, k)
         if corners.least(x) >= corners.least(best):
             best = x
