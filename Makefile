@@ -339,6 +339,9 @@ untangle: almesh ##check improve some 200 generated meshes with inverted element
 improve: almesh ##check improve all meshes in inputs/ and some by gmsh: none may become worse (ONLY="gmsh cube"; python3-gmsh)
 	$(PYTHON) tests/improve.py $(ONLY)
 
+records: almesh ##check improve the meshes of a folder, measured by a script that shares nothing (MESHES=folder; SECONDS=N; CORNERS=1; scipy)
+	$(PYTHON) tests/records.py $(if $(SECONDS),--seconds $(SECONDS)) $(if $(CORNERS),--corners) $(MESHES)
+
 patch: almesh python ##check meshes of a folder come back the same byte by byte, and moved with other coordinates alone (MESHES=folder)
 	tests/patch.py $(or $(MESHES),inputs tests/io/data tests/fuzz/seeds)
 

@@ -45,6 +45,9 @@ TYPES = {t.number: t for t in (
     Type(7, 3, 5, [(0, 1, 3, 4), (1, 2, 0, 4), (2, 3, 1, 4), (3, 0, 2, 4),
                    (4, 0, 2, 1), (4, 1, 3, 2), (4, 2, 0, 3), (4, 3, 1, 0)],
          [(0, 3, 2, 1), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)], TET_REGULAR))}
+# The order of the nodes of the same cell, seen in a mirror.
+MIRRORED = {2: [0, 2, 1], 9: [0, 2, 1, 5, 4, 3], 3: [0, 3, 2, 1], 4: [0, 2, 1, 3], 11: [0, 2, 1, 3, 6, 5, 4, 7, 9, 8],
+            5: [0, 3, 2, 1, 4, 7, 6, 5], 6: [0, 2, 1, 3, 5, 4], 7: [0, 3, 2, 1, 4]}
 MESHIO = {"vertex": 15, "line": 1, "line3": 8, "triangle": 2, "triangle6": 9, "quad": 3, "tetra": 4, "tetra10": 11,
           "hexahedron": 5, "wedge": 6, "pyramid": 7}
 FACE = {2: 1, 3: 2, 4: 3}  # type of a face by its vertices
@@ -92,6 +95,18 @@ class CellMesh:
         for t, rows in self.outer_faces().items():
             self.blocks[t] = (np.ones(len(rows), int), rows)
 
+    def turn(self):
+        """Numbers the cells of an entity the other way round where their volume, with sign, is negative: how many."""
+        turned = 0
+        for cell, nodes in self.cells():
+            volumes = sum(determinant(edges) for edges in corner_edges(self.x[nodes], cell))
+            entities = self.blocks[cell.number][0]
+            for entity in np.unique(entities):
+                if volumes[entities == entity].sum() < 0:
+                    nodes[entities == entity] = nodes[entities == entity][:, MIRRORED[cell.number]]
+                    turned += (entities == entity).sum()
+        return turned
+
     def scaled_jacobians(self):
         return np.concatenate([scaled_jacobians(self.x[nodes], cell) for cell, nodes in self.cells()])
 
@@ -99,8 +114,7 @@ class CellMesh:
 def scaled_jacobians(x, cell):
     """Of cells of one type; x: cells x nodes x 3."""
     if cell.degree == 1:
-        edges = [[x[:, end] - x[:, at] for end in ends] for at, *ends in cell.corners]
-        return np.min([ratio(e) for e in edges], axis=0) / cell.regular
+        return np.min([ratio(edges) for edges in corner_edges(x, cell)], axis=0) / cell.regular
     points = np.array([p for p in itertools.product(range(GRID + 1), repeat=cell.dim) if sum(p) <= GRID]) / GRID
     reference = POINTS[cell.number][:cell.vertices]
     least = np.full(len(x), np.inf)
@@ -110,6 +124,11 @@ def scaled_jacobians(x, cell):
             edges = [jacobian @ (reference[end] - reference[at]) for end in ends]
             least = np.minimum(least, ratio(edges) / cell.regular)
     return least
+
+
+def corner_edges(x, cell):
+    """For each corner the edges there, of cells of one type; x: cells x nodes x 3."""
+    return [[x[:, end] - x[:, at] for end in ends] for at, *ends in cell.corners]
 
 
 def gradients(nodes, points):
@@ -125,9 +144,12 @@ def gradients(nodes, points):
 def ratio(edges):
     """Determinant over lengths; 0 where an edge is a point."""
     lengths = np.prod([np.linalg.norm(e, axis=1) for e in edges], axis=0)
+    return np.where(lengths > 0, determinant(edges) / np.where(lengths > 0, lengths, 1), 0)
+
+
+def determinant(edges):
     normal = np.cross(edges[0], edges[1])
-    det = normal[:, 2] if len(edges) == 2 else np.einsum("ij,ij->i", normal, edges[2])
-    return np.where(lengths > 0, det / np.where(lengths > 0, lengths, 1), 0)
+    return normal[:, 2] if len(edges) == 2 else np.einsum("ij,ij->i", normal, edges[2])
 
 
 def read(path):

@@ -95,6 +95,7 @@ TARGETS = [
     Target("certificates", settings=["ELEMENTS=10"]),
     Target("untangle", settings=["ONLY=tri-random"]),
     Target("improve", settings=["ONLY=square"]),
+    Target("records", settings=["MESHES=inputs/meshes/square.msh", "CORNERS=1"], needs=["numpy", "scipy"]),
     Target("patch", settings=["MESHES=tests/io/data"]),
     Target("judges", settings=["ONLY=gmsh-square"], needs=["gmsh for Python", "VTK", "numpy"]),
     Target("generated", settings=["ONLY=17"]),
