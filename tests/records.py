@@ -166,7 +166,8 @@ def total(records):
     gain = np.array([r.after.min() - r.before.min() for r in measured])
     beside = [r.after.min() >= r.corners - ROUNDING for r in measured if not np.isnan(r.corners)]
     return (f"{len(records)} mesh{'es' if len(records) > 1 else ''}: certified {sum(r.certified for r in records)}; of "
-            f"{len(measured)} that can be measured the least became larger in {(gain > ROUNDING).sum()}, lower in {(gain < -ROUNDING).sum()}"
+            f"{len(measured)} that can be measured the least became larger in {(gain > ROUNDING).sum()}, lower in "
+            f"{(gain < -ROUNDING).sum()}"
             + (f"; at least that of corners.py in {sum(beside)} of {len(beside)}" if beside else "")
             + f"; {sum(bool(r.faults) for r in records)} fail")
 
