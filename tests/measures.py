@@ -34,7 +34,7 @@ def mesh_of(kind, x):
 
 
 def check_cell(kind, x):
-    """A regular cell has 1, and its image in a mirror -1, which turn() makes 1; derivatives are those of differences."""
+    """A regular cell has 1, and its mirror image -1, which turn() makes 1; derivatives are those of differences."""
     mesh, name = mesh_of(kind, x), f"gmsh's type {kind}"
     expect(f"{name}, regular", abs(mesh.scaled_jacobians() - 1).max(), 1e-12)
     mirrored = mesh_of(kind, mesh.x * (-1, 1, 1))
@@ -86,7 +86,8 @@ def check_formats(folder):
     mesh = cell_mesh.CellMesh(x, {2: (np.array([1, 2]), np.array([(0, 1, 2), (0, 2, 3)]))})
     cell_mesh.write(mesh, folder / "2.msh")
     (folder / "4.msh").write_text(
-        "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n2 4 3 9\n0 1 0 1\n9\n0 2 0\n2 1 0 3\n3\n4\n7\n0 0 0\n1 0 0\n1 1 0\n"
+        "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n"
+        "$Nodes\n2 4 3 9\n0 1 0 1\n9\n0 2 0\n2 1 0 3\n3\n4\n7\n0 0 0\n1 0 0\n1 1 0\n"
         "$EndNodes\n$Elements\n2 2 1 2\n2 1 2 1\n1 3 4 7\n2 2 2 1\n2 3 7 9\n$EndElements\n")
     for name in ("2.msh", "4.msh"):
         read = cell_mesh.read(folder / name)
