@@ -128,8 +128,8 @@ def main(words):
             if is_improve:
                 start = time.process_time()
                 least_fixed = improve(mesh)
-                print(f"after {time.process_time() - start:.1f} s: {text(mesh)}; corners with all nodes fixed: least "
-                      f"{least_fixed:.4f}")
+                print(f"after {time.process_time() - start:.1f} s: {text(mesh)}; corners with all nodes fixed: "
+                      + (f"least {least_fixed:.4f}" if np.isfinite(least_fixed) else "none"))
         except (OSError, ValueError) as error:
             raise SystemExit(f"{path}: {error}")
         if is_improve and len(words) == 3:
