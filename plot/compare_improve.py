@@ -2,7 +2,7 @@
 """`almesh improve` beside other programs that make the same bad meshes better, in one table.
 
   plot/compare_improve.py          the same as `make compare-improve`: all cases, a quarter of an hour
-  plot/compare_improve.py --quick  `make compare-improve QUICK=1`: nine cases, a minute
+  plot/compare_improve.py --quick  `make compare-improve QUICK=1`: nine cases, two minutes
   plot/compare_improve.py NAME...  those whose names contain one of the words
   --keep                           with what an earlier run has of the other programs
 
