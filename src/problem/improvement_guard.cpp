@@ -46,6 +46,7 @@ ImprovementGuard::ImprovementGuard(const ProblemOptions& options, const Problem&
     const std::vector<double> values = guarded(x, certify(mesh_, x).certified_bound);
     for (int e = 0; e < mesh_.element_count(); ++e)
         if (is_feasible(e)) least_ = std::min(least_, values[e]);
+    if (x != mesh_.x) most_off_ = std::max(most_off_, surface_distance(problem, x));
     find_layers();
     for (int e = 0; e < mesh_.element_count(); ++e) {
         double longest = 0;
@@ -120,7 +121,7 @@ bool ImprovementGuard::take(const std::vector<double>& from, std::vector<double>
                 put_back(mesh_.element(e), mesh_.element_nodes(e));
         }
         for (std::size_t k = 0; k < off.size(); ++k)
-            if (const int f = static_cast<int>(k); off[k] > options_.surface_tolerance)
+            if (const int f = static_cast<int>(k); off[k] > most_off_)
                 put_back(mesh_.face(f), mesh_.face_nodes(f));
         if (std::find(back.begin(), back.end(), 1) == back.end()) return true;
         for (int i = 0; i < mesh_.nodes(); ++i)

@@ -41,7 +41,7 @@ private:
     std::vector<double> size_, height_;  // of elements, and of those at faces
     std::vector<char> has_layers_;       // per boundary
     std::vector<char> is_flat_;          // per element: a flat triangle or tetrahedron
-    double size_change_ = 0, least_;
+    double size_change_ = 0, most_off_ = options_.surface_tolerance, least_;
 
     bool is_feasible(int e) const;
     int beside(int e, const std::vector<double>& s, const std::vector<char>& moves) const;
