@@ -147,8 +147,8 @@ TEST_CASE("an element with two curved edges that meet at more than 180 degrees: 
     CHECK(with_wide_corner(0.08).faults(with_wide_corner(0.08).target()).none());
     const std::string text = describe(square.mesh, faults);
     CHECK(text == "\n  triangle " + std::to_string(square.mesh.file.element_id[faults.elements[0].element]) +
-                      " at (0.888889, 0.111111): its boundary nodes make its scaled determinant -0.44, wherever the nodes "
-                      "inside are");
+                      " at (0.888889, 0.111111): its boundary nodes make its scaled determinant -0.44, wherever the "
+                      "nodes inside are");
 }
 
 TEST_CASE(
