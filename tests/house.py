@@ -19,9 +19,9 @@ SRC = ROOT / "src"
 # Rooms, each of which includes only itself and those above it.
 ROOMS = {
     "base": 1493, "linalg": 4817, "mesh": 4580, "geometry": 2004, "energy": 3356, "constraint": 3979, "method": 3061,
-    "check": 2644, "io": 3993, "problem": 4784, "deck": 1627, "report": 1876, "app": 1390,
+    "check": 2644, "io": 3993, "problem": 4797, "deck": 1627, "report": 1876, "app": 1390,
 }
-MOST = {"src/ without lessons and examples": 40144, "src/examples": 900, "src/lessons": 6000, "README.md": 180,
+MOST = {"src/ without lessons and examples": 40157, "src/examples": 900, "src/lessons": 6000, "README.md": 180,
         "Newton::minimise()": 30, "include depth": 8, "a file": 490, "includes beyond the line": 14}
 # topic: most files, most lines, the files: both of `name.*` where there are two.
 TOPICS = {
