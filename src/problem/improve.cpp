@@ -128,7 +128,8 @@ void count_infeasible(const ProblemOptions& options, Problem& problem, Solution&
 // One mesh, made valid and then better.
 class Improvement {
 public:
-    std::string sizes_text;  // of a mesh that was made better
+    std::string sizes_text;          // of a mesh that was made better,
+    std::optional<double> distance;  // and how far its surface is from the file's, if that was measured
 
     Improvement(const ProblemSetup& setup, Problem& problem, const Solve& solve, MeshSoFar& so_far, int& newton_steps,
                 std::FILE* out)
@@ -201,8 +202,9 @@ private:
         }
         if (!guard || interrupted() || solution.x == x) return solution;
         std::vector<double> to = solution.x;
-        const bool is_taken = !fails(solution) && guard->take(x, to) && is_certified(problem_, to);
+        const bool is_taken = !fails(solution) && guard->take(x, to, &distance) && is_certified(problem_, to);
         if (is_taken && to == solution.x) return solution;
+        if (!is_taken) distance.reset();
         print(out_, "note: ", is_taken ? "some nodes stay, where an element would become worse than the worst before\n"
                                        : "no better mesh was found: the mesh stays as it is\n");
         return at(is_taken ? std::move(to) : x);
@@ -216,20 +218,21 @@ private:
             const MovingNodes moving{mesh, moves, *problem_.level->constraint, problem_.level->pairs,
                                      guard.size_change(), [this](int step, int most) { foresee(step, most); }};
             const auto taken = [&](const std::vector<double>& from, std::vector<double>& to) {
-                if (!guard.take(from, to, ImprovementGuard::Surface::is_not_measured)) return false;
+                if (!guard.take(from, to, nullptr)) return false;
                 so_far_.keep(*problem_.level, to);
                 return true;
             };
             watch_ = Stopwatch();
             const std::vector<double> from = x;
             const int steps = smooth_corners(moving, taken, x);
-            if (problem_.sliding && !guard.take(from, x)) x = from;
+            if (problem_.sliding && !guard.take(from, x, &distance)) x = from, distance.reset();
             print(out_, guard.least_text(from, x, moves, steps), "\n");
         };
         smooth();
         if (problem_.sliding && !interrupted() && !is_certified(problem_, x) && is_certified(problem_, start)) {
             print(out_, "note: no valid mesh was found with nodes that slide: the boundary stays as it is\n");
             x = start;
+            distance.reset();
             fix_boundary(problem_, x);
             set_functional(setup_, problem_);
             smooth();
@@ -331,7 +334,8 @@ bool is_better(const ProblemOptions& options, Problem& problem, std::vector<doub
     if (x.empty() || x == mesh.x || !is_certified(problem, x)) return false;
     if (options.needs_tolerance && surface_distance(problem, x) > options.surface_tolerance) return false;
     if (invalid_elements(problem, mesh.x).empty()) {
-        if (!ImprovementGuard(options, problem, mesh.x).take(mesh.x, x) || !is_certified(problem, x)) return false;
+        std::optional<double> distance;
+        if (!ImprovementGuard(options, problem, mesh.x).take(mesh.x, x, &distance) || !is_certified(problem, x)) return false;
         const auto bound = [&](const std::vector<double>& at) { return certify(mesh, at).min_certified_bound; };
         if (bound(x) == bound(mesh.x) && least_corner_jacobian(mesh, x) <= least_corner_jacobian(mesh, mesh.x))
             return false;
@@ -369,7 +373,8 @@ Solution improve(const ProblemSetup& setup, Problem& problem, const Solve& solve
         surface_distance(problem, solution.x) > setup.surface_tolerance)
         solution.al.status = Status::off_surface;
     count_infeasible(setup, problem, solution);
-    print_surface(out, setup, problem, solution.x, improvement.sizes_text);
+    const double distance = improvement.distance ? *improvement.distance : surface_distance(problem, solution.x);
+    print_surface(out, setup, problem, solution.x, distance, improvement.sizes_text);
     return solution;
 }
 

@@ -104,13 +104,14 @@ std::vector<char> ImprovementGuard::on_layers() const {
     return on;
 }
 
-bool ImprovementGuard::take(const std::vector<double>& from, std::vector<double>& to, Surface surface) const {
+bool ImprovementGuard::take(const std::vector<double>& from, std::vector<double>& to,
+                            std::optional<double>* distance) const {
     const double most = std::log1p(size_change_) * (1 + 1e-9);
     for (int attempt = 0; attempt < attempts && to != from; ++attempt) {
         const std::vector<double> bound = certify(mesh_, to).certified_bound, value = guarded(to, bound),
                                   size = element_sizes(mesh_, to);
         std::vector<double> off;
-        if (surface == Surface::is_measured) off = distances_from_surface(problem_, to);
+        if (distance) off = distances_from_surface(problem_, to);
         std::vector<char> back(mesh_.nodes(), 0);
         const auto put_back = [&](const int* nodes, int count) {
             for (int k = 0; k < count; ++k) back[nodes[k]] = 1;
@@ -123,7 +124,10 @@ bool ImprovementGuard::take(const std::vector<double>& from, std::vector<double>
         for (std::size_t k = 0; k < off.size(); ++k)
             if (const int f = static_cast<int>(k); off[k] > most_off_)
                 put_back(mesh_.face(f), mesh_.face_nodes(f));
-        if (std::find(back.begin(), back.end(), 1) == back.end()) return true;
+        if (std::find(back.begin(), back.end(), 1) == back.end()) {
+            if (distance) *distance = off.empty() ? 0 : *std::max_element(off.begin(), off.end());
+            return true;
+        }
         for (int i = 0; i < mesh_.nodes(); ++i)
             if (back[i]) std::copy_n(point(from, i, mesh_.dim), mesh_.dim, point(to, i, mesh_.dim));
         problem_.level->pairs.settle(from, to);

@@ -21,8 +21,8 @@ public:
 
     // The nodes of elements and faces that fail go back from `to` to where `from` has them, until none fails. Whether
     // anything is left; then all that is guarded is kept. The surface takes as long to measure as a hundred steps.
-    enum class Surface { is_not_measured, is_measured };
-    bool take(const std::vector<double>& from, std::vector<double>& to, Surface surface = Surface::is_measured) const;
+    // distance: of what is left; null: not measured.
+    bool take(const std::vector<double>& from, std::vector<double>& to, std::optional<double>* distance) const;
     // Per node: whether it is on a boundary with layers, or of flat triangles or tetrahedra on these, which are as they
     // are meant to be although their scaled Jacobian is small.
     std::vector<char> on_layers() const;

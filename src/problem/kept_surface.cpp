@@ -126,8 +126,7 @@ double surface_distance(const Problem& problem, const std::vector<double>& x) {
 }
 
 void print_surface(std::FILE* out, const ProblemOptions& options, const Problem& problem,
-                   const std::vector<double>& x, const std::string& more) {
-    const double distance = surface_distance(problem, x);
+                   const std::vector<double>& x, double distance, const std::string& more) {
     print(out, "distance of the boundary from that of the file: ", to_text(distance, 2), " of an edge, ",
           distance > options.surface_tolerance ? "NOT " : "", "within surface_tolerance = ",
           to_text(options.surface_tolerance, 6), "; ", volume_changes(problem.mesh(), x), more.empty() ? "" : "; ", more,

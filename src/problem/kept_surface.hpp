@@ -29,6 +29,6 @@ double surface_distance(const Problem& problem, const std::vector<double>& x);
 
 // How far the surface is from that of the file, by how much the volumes of the regions have changed, and more.
 void print_surface(std::FILE* out, const ProblemOptions& options, const Problem& problem, const std::vector<double>& x,
-                   const std::string& more);
+                   double distance, const std::string& more);
 
 }  // namespace almesh

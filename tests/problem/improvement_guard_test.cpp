@@ -99,11 +99,11 @@ TEST_CASE("nodes of elements that lose what is guarded go back, and all others a
         to[2 * good] += 1e-3 * edge;
         to[2 * good + 1] -= 1e-3 * edge;
         std::vector<double> taken = to;
-        const bool is_any = guard.take(x, taken);
+        const bool is_any = guard.take(x, taken, nullptr);
         CHECK(taken[2 * bad] == x[2 * bad]);
         CHECK(is_any == (taken != x));
         if (which == Guard::certified_bound) CHECK(taken[2 * good] == to[2 * good]);  // of triangles always 1
         std::vector<double> none = x;
-        CHECK(!guard.take(x, none));
+        CHECK(!guard.take(x, none, nullptr));
     }
 }
