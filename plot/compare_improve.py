@@ -20,7 +20,6 @@ Move nodes alone, the boundary fixed:
   corners           of corners.py: L-BFGS on the corners; not of curved meshes; a column of its own, for it is the least
                     that is to be reached
   almesh            `almesh improve` with `boundary rest = fixed`
-  almesh minimax    with objective = minimax too
 Change edges or insert nodes too, the boundary fixed:
   gmsh Optimize     optimize("")
   Netgen            OptimizeVolumeMesh() of Debian's python3-netgen
@@ -51,8 +50,7 @@ import improve_cases
 FOLDER = cad.runs.OUTPUTS / "compare-improve"
 ALMESH = os.environ.get("ALMESH", cad.ROOT / "almesh")
 LIMIT = 60  # seconds
-OWN = {"almesh": ["boundary rest=fixed"], "almesh minimax": ["boundary rest=fixed", "objective=minimax"],
-       "almesh slides": []}
+OWN = {"almesh": ["boundary rest=fixed"], "almesh slides": []}
 MMG = shutil.which("mmg3d") or shutil.which("mmg3d_O3")
 
 
