@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "base/table.hpp"
 #include "check/certificate.hpp"
@@ -171,14 +172,27 @@ std::string ImprovementGuard::least_text(const std::vector<double>& from, const 
         text = concat("least scaled Jacobian raised from ", rounded_down(least_before, 4), " to ",
                       rounded_down(s[least], 4), " in ", counted(steps, "step"), "; ", element(least), " has it: ");
         if (const int count = vertices - moving_nodes(least); count > 0)
-            text += concat(count, " of its ", vertices, " nodes are held, ");
+            text += concat(count, " of its ", vertices, " nodes are held", places_of(least, moves), ", ");
         text += others > 0 ? concat("moving ", moving_nodes(least) < vertices ? "the others" : "its nodes",
                                     " would make ", counted(others, "element"), " beside it worse")
                            : "moving its nodes does not help";
     }
     if (held >= 0 && (least < 0 || s[held] < s[least]))
         text += concat(text.empty() ? "" : "; ", rounded_down(s[held], 4), " in ", element(held),
-                       ", all of whose nodes are held");
+                       ", all of whose nodes are held", places_of(held, moves));
+    return text;
+}
+
+// " at wall, inlet": of the nodes of the element that do not move.
+std::string ImprovementGuard::places_of(int e, const std::vector<char>& moves) const {
+    const int *const nodes = mesh_.element(e), *const end = nodes + mesh_.cell(e).vertices;
+    std::set<std::string> names;
+    for_face_nodes(mesh_, [&](int f, std::size_t k) {
+        if (!moves[mesh_.faces[k]] && std::find(nodes, end, mesh_.faces[k]) != end)
+            names.insert(mesh_.boundaries[mesh_.face_boundary[f]]);
+    });
+    std::string text;
+    for (const std::string& name : names) text += (text.empty() ? " at " : ", ") + name;
     return text;
 }
 
