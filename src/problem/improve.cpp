@@ -317,6 +317,7 @@ std::vector<double> curved_again(const ProblemSetup& setup, const Problem& probl
     curving.ideal = IdealKind::straight;
     curving.start = Start::automatic;
     curving.refine = curving.degree = 0;
+    if (setup.stops_valid) curving.local_repair = LocalRepair::yes;
     for (BoundaryMotion& boundary : curving.boundaries) boundary.motion = motion_of(NodeKind::fixed);
     Problem curved = make_problem(curving, {std::move(moved)});
     const StageObserver count = [&](const Stage& part) { newton_steps += part.newton_iterations; };
@@ -356,7 +357,7 @@ void set_regular_elements(Problem& problem) {
 Solution improve(const ProblemSetup& setup, Problem& problem, const Solve& solve, MeshSoFar& so_far,
                  int& newton_steps, std::FILE* out) {
     std::vector<double> x;
-    if (problem.mesh().degree > 1 && may_stay(setup, problem) && !setup.needs_objective && !setup.stops_valid)
+    if (problem.mesh().degree > 1 && may_stay(setup, problem) && !setup.needs_objective)
         x = curved_again(setup, problem, solve, newton_steps);
     Improvement improvement(setup, problem, solve, so_far, newton_steps, out);
     Solution solution;
