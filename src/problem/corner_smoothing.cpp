@@ -22,7 +22,8 @@ constexpr double first_k = 10, last_k = 1280;
 constexpr int fewest_steps = 100, most_steps = 400;  // of a stage
 constexpr double work_of_stage = 5.6e6;              // corners times steps, between these
 constexpr double least_fall = 1e-3;                  // of E_k in ten steps
-constexpr double weight_of_others = 0.0015, last_k_of_weight = 40;  // w; beyond, it falls as 1 / k
+// w; beyond this k it falls as 1 / k, where the least s is below `good` with its square too.
+constexpr double weight_of_others = 0.0015, good = 0.3, last_k_of_weight = 40;
 constexpr double part_of_shape = 0.3, usual_shape = 3.5;           // a, where no eta is larger than that
 constexpr double negligible = -40;                                 // exponent
 constexpr double free_part = 0.8, stiffness = 20;                  // of the bound for sizes
@@ -74,12 +75,13 @@ public:
     // A stage, from the mesh at z on. Whether all is valid there.
     bool begin(double k, const std::vector<double>& z, std::vector<double>& g) {
         k_ = k;
-        weight_ = weight_of_others * std::min(1.0, last_k_of_weight / k);
         of_others_ = 0;
         const bool is_valid = std::isfinite(value(z, g));
         double eta = usual_shape;
         for (const Terms& of : terms_) eta = std::max(eta, of.eta);
         a_ = part_of_shape * std::pow((usual_shape - 1) / (eta - 1), 2);
+        weight_ = weight_of_others;
+        if (k > last_k_of_weight) weight_ *= last_k_of_weight / k * std::min(1.0, std::pow(least_ / good, 2));
         value(z, g);
         of_others_ = sum_of_others_;
         reference_ = best_least_ = least_;
