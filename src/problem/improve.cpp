@@ -300,7 +300,7 @@ std::vector<double> curved_again(const ProblemSetup& setup, const Problem& probl
     std::vector<char> is_vertex(mesh.nodes(), 0);
     for (int e = 0; e < mesh.element_count(); ++e)
         for (int v = 0; v < mesh.cell(e).vertices; ++v) is_vertex[mesh.element(e)[v]] = 1;
-    moved.x = problem.frame.to_file(mesh.x, dim);
+    moved.x = problem.file_x;
     const std::vector<double> before = straight_sided(moved);
     std::size_t from = 0;
     for (std::size_t k = 0; k < mesh.x.size(); ++k) {
@@ -322,8 +322,9 @@ std::vector<double> curved_again(const ProblemSetup& setup, const Problem& probl
     Problem curved = make_problem(curving, {std::move(moved)});
     const StageObserver count = [&](const Stage& part) { newton_steps += part.newton_iterations; };
     const Solution found = curve_in_place(curving, curved, solve, count, nowhere, out);
-    std::vector<double> x = curved.frame.to_file(found.x, dim);
-    problem.frame.take_to_run(x, dim);
+    std::vector<double> x = final_positions(curved, found.x);
+    for (std::size_t k = 0; k < x.size(); ++k)
+        x[k] = x[k] == problem.file_x[k] ? mesh.x[k] : problem.frame.to_run(x[k], k, dim);
     return x;
 } catch (const Error&) {
     return {};
