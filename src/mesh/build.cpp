@@ -5,12 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <set>
 
+#include "base/disjoint_sets.hpp"
 #include "base/text.hpp"
 #include "mesh/build_boundary.hpp"
 #include "mesh/lagrange.hpp"
+#include "mesh/sides.hpp"
 
 namespace almesh {
 namespace {
@@ -191,9 +192,36 @@ std::vector<int> negative_elements(const MeshBuild& build, Folds folds) {
                  folds == Folds::refuse ? "; `almesh improve` gives them one, or lists those whose boundary does not" : "");
 }
 
+// The elements to turn so that neighbours are on opposite sides of their common face and what hangs together by faces
+// has a positive volume. e + count stands for element e turned; parts that cannot be oriented stay as they are.
+std::vector<int> turned_by_neighbours(const Mesh& mesh) {
+    const int count = mesh.element_count(), most = mesh.most_sides();
+    std::vector<Side> sides;
+    for_sides(mesh, [&](int e, int k, int number) { sides.push_back(side_of_element(mesh, e, k, number)); });
+    DisjointSets agree(2 * count);
+    for_equal_sides(sides, [&](std::span<const Side> equal) {
+        for (const Side& side : equal) {
+            const int e = equal[0].number / most, f = side.number / most;
+            const int turn = side.even == equal[0].even && e != f ? count : 0;
+            agree.join(e, f + turn);
+            agree.join(e + count, f + count - turn);
+        }
+    });
+    std::vector<double> sum(2 * count, 0.0);
+    for (int e = 0; e < count; ++e) {
+        const double v = volume(mesh, mesh.x, e);
+        sum[agree.find(e)] += v;
+        sum[agree.find(e + count)] -= v;
+    }
+    std::vector<int> turned;
+    for (int e = 0; e < count; ++e)
+        if (sum[agree.find(e)] < 0) turned.push_back(e);
+    return turned;
+}
+
 enum class Orientation {
-    of_vertices,  // every element so that its straight-sided form has a positive volume
-    of_file       // as the file has them, all reversed where the mesh has a negative one, which the boundary tells
+    of_vertices,   // every element so that its straight-sided form has a positive volume
+    of_neighbours  // so that neighbours agree
 };
 
 // The mesh, or where elements are folded and oriented by their vertices, no more than its elements and their folds.
@@ -214,10 +242,7 @@ Mesh oriented_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds fo
     if (mesh.dim == 2) check_flat(build);
     fill_elements(build);
     std::vector<int> turned = negative_elements(build, folds);
-    if (orientation == Orientation::of_file) {
-        turned.resize(volume(mesh, mesh.x) < 0 ? mesh.element_count() : 0);
-        std::iota(turned.begin(), turned.end(), 0);
-    }
+    if (orientation == Orientation::of_neighbours) turned = turned_by_neighbours(mesh);
     reverse(mesh, turned);
     mesh.folded = fill_boundary(build);
     if (!build.repeated.empty()) {
@@ -245,14 +270,14 @@ Mesh oriented_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds fo
 
 }  // namespace
 
-// Elements that are folded by their vertices may be curved so that they are not: what the file says is taken then.
+// Elements that are folded by their vertices may be curved so that they are not: their neighbours tell then.
 Mesh build_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds folds) {
     notes.insert(notes.end(), raw.notes.begin(), raw.notes.end());
     const std::size_t told = notes.size();
     Mesh mesh = oriented_mesh(raw, notes, folds, Orientation::of_vertices);
     if (mesh.folded.empty()) return mesh;
     notes.resize(told);
-    return oriented_mesh(raw, notes, folds, Orientation::of_file);
+    return oriented_mesh(raw, notes, folds, Orientation::of_neighbours);
 }
 
 }  // namespace almesh

@@ -15,7 +15,7 @@ namespace almesh {
 // one of them is inverted.
 enum class Folds {
     refuse,
-    keep  // oriented as in the file, or all reversed where the volume is negative, so that the others count as inverted
+    keep  // oriented as their neighbours, what hangs together with positive volume, so that the others count as inverted
 };
 
 // Points, curves of 3D meshes and faces inside the mesh are kept (Mesh::kept). Repaired, each with a line in `notes`:

@@ -3,11 +3,13 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <map>
 
 #include "base/error.hpp"
 #include "base/small_matrix.hpp"
 #include "mesh/lagrange.hpp"
 #include "support/sample_mesh.hpp"
+#include "support/solids.hpp"
 
 using namespace almesh;
 using doctest::Approx;
@@ -118,6 +120,86 @@ TEST_CASE("negatively oriented elements are turned with all their nodes") {
             CHECK(notes[0] == (dim == 2 ? "4" : "24") + std::string(" elements with negative orientation turned, the "
                                                                     "first is element ") + first);
         }
+}
+
+TEST_CASE("a tangled mesh whose elements are numbered in both directions is oriented by the faces that they share") {
+    const auto check_same = [](const RawMesh& raw, const RawMesh& turned) {
+        std::vector<std::string> notes;
+        const Mesh mesh = build_mesh(raw, notes, Folds::keep), oriented = build_mesh(turned, notes, Folds::keep);
+        CHECK(oriented.folded.empty());
+        REQUIRE(oriented.element_count() == mesh.element_count());
+        int inverted = 0;
+        for (int e = 0; e < mesh.element_count(); ++e) {
+            const double v = almesh::volume(mesh, mesh.x, e);
+            CHECK(almesh::volume(oriented, oriented.x, e) == Approx(v).scale(1e-3));
+            inverted += v < 0;
+        }
+        CHECK(inverted > 0);
+        CHECK(inverted < mesh.element_count() / 2);
+    };
+    for (const int dim : {2, 3})
+        for (const int degree : {1, 2, 3}) {
+            RawMesh raw = SampleMesh(dim, degree, 3).raw, turned = SampleMesh(dim, degree, 3, true).raw;
+            const auto tangle = [&](RawMesh& of) {
+                const auto inner = std::find_if(of.nodes.begin(), of.nodes.end(), [&](const RawNode& node) {
+                    return node.x[0] == 2.0 / 3 && node.x[1] == 2.0 / 3 && (dim == 2 || node.x[2] == 2.0 / 3);
+                });
+                REQUIRE(inner != of.nodes.end());
+                inner->x[0] = 0.1;
+            };
+            tangle(raw);
+            tangle(turned);
+            check_same(raw, turned);
+        }
+    for (const char* layers : {"hhh", "ppp", "hdu"}) {
+        RawMesh raw = test::solid_block(3, layers);
+        for (RawNode& node : raw.nodes)
+            if (node.x[0] > 0.6 && node.x[0] < 0.7 && node.x[1] > 0.6 && node.x[1] < 0.7 && node.x[2] > 0.3 &&
+                node.x[2] < 0.7)
+                node.x[0] = -0.4;
+        const int count = static_cast<int>(raw.nodes.size());
+        RawMesh turned = raw;  // and once more beside it, all reversed
+        for (int i = 0; i < count; ++i) {
+            turned.nodes.push_back(raw.nodes[i]);
+            turned.nodes.back().id += 1000000;
+            turned.nodes.back().x[0] += 5;
+        }
+        RawMesh both = turned;
+        const std::map<int, std::vector<int>> reversed = {{4, {0, 1, 3, 2}}, {5, {0, 3, 2, 1, 4}},
+                                                          {6, {3, 4, 5, 0, 1, 2}}, {8, {4, 5, 6, 7, 0, 1, 2, 3}}};
+        for (const bool copy : {false, true})
+            for (std::size_t k = 0; k < raw.elements.size(); ++k) {
+                RawElement element = raw.elements[k];
+                if (element.dim < 3) continue;
+                const int* const nodes = &raw.element_nodes[element.first];
+                const std::vector<int>& order = reversed.at(element.node_count());
+                if (copy) element.first = both.element_nodes.size(), element.id += 1000000;
+                for (std::size_t i = 0; i < order.size(); ++i) {
+                    const int at = order[i];
+                    if (copy) {
+                        both.element_nodes.push_back(nodes[i] + count);
+                        turned.element_nodes.push_back(nodes[at] + count);
+                    } else if (k % 3 == 0) turned.element_nodes[element.first + i] = nodes[at];
+                }
+                if (!copy) continue;
+                both.elements.push_back(element);
+                turned.elements.push_back(element);
+            }
+        check_same(both, turned);
+    }
+}
+
+TEST_CASE("what has one side only stays as the file has it, and its folds are told") {
+    RawMesh raw;  // a Moebius strip of five triangles
+    raw.path = "strip.msh";
+    for (int i = 0; i < 5; ++i) {
+        raw.nodes.push_back({i + 1, {std::cos(1.2566 * i), std::sin(1.2566 * i), 0}, i});
+        append_element(raw, 2, 1, {i, (i + 1) % 5, (i + 2) % 5});
+    }
+    std::vector<std::string> notes;
+    const Mesh mesh = build_mesh(raw, notes, Folds::keep);
+    CHECK(!mesh.folded.empty());
+    CHECK(mesh.elements == raw.element_nodes);
 }
 
 TEST_CASE("nodes without an element are no nodes of the mesh") {
