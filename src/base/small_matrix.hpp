@@ -3,6 +3,7 @@
 #pragma once
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <type_traits>
 
 namespace almesh {
@@ -17,6 +18,15 @@ template <class Body>
 void with_dimension(int dim, const Body& body) {
     if (dim == 2) body(std::integral_constant<int, 2>());
     else body(std::integral_constant<int, 3>());
+}
+
+// The k-th of n x n matrices, row by row.
+template <int n, class Numbers>
+Mat<n> matrix_at(const Numbers& numbers, std::size_t k) {
+    Mat<n> m;
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) m[i][j] = numbers[(k * n + i) * n + j];
+    return m;
 }
 
 template <class T>

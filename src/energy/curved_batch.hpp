@@ -200,12 +200,14 @@ private:
             for (int a = 0; a < n; ++a) to[i * n + a] -= to[a];
     }
 
-    // The one ideal element to the mean Jacobian of each.
+    // The one ideal element by the map of each.
     void scale(const IdealLanes<n>& ideal) const {
-        const Lanes factor = select(ideal.jacobian > 0, 1 / inverse_cbrt(ideal.jacobian), in_all_lanes(1));
+        const Mat<n, Lanes> map = almesh::inverse<n>(ideal.inverse);
         for (int i = 0; i < m_; ++i)
-            for (int a = 0; a < n; ++a)
-                ideal_position_[i * n + a] = (ideal.curved[i * n + a] - ideal.curved[a]) * factor;
+            for (int a = 0; a < n; ++a) {
+                Lanes& sum = ideal_position_[i * n + a] = Lanes{};
+                for (int k = 0; k < n; ++k) sum += map[a][k] * (ideal.curved[i * n + k] - ideal.curved[k]);
+            }
     }
 
     Mat<n, Lanes> jacobian(int q) const { return jacobian(position_, q); }

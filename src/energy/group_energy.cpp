@@ -81,8 +81,11 @@ IdealElement ideal_element(const Mesh& mesh, int e, const std::vector<double>& i
                            const ReferenceElement& reference) {
     IdealElement result{};
     with_dimension(mesh.dim, [&](auto n) {
-        const Mat<n> A = params.regular.empty() ? straight_jacobian<n>(mesh.element(e), ideal)
-                                                : regular_jacobian<n>(mesh.cell(e), params.regular[e]);
+        const bool has_map = params.regular.size() > offset(mesh.element_count(), 1);
+        Mat<n> A = params.regular.empty() ? straight_jacobian<n>(mesh.element(e), ideal)
+                                          : regular_jacobian<n>(mesh.cell(e), has_map ? mesh.cell(e).volume()
+                                                                                      : params.regular[e]);
+        if (has_map) A = multiply<n>(matrix_at<n>(params.regular, e), A);
         const Mat<n> inverse_of_A = inverse<n>(A);
         const std::array<double, 2> exponents = weight_exponents(params, mesh.dim);
         result.jacobian = params.curved_ideal ? mean_jacobian<n>(mesh.element(e), ideal, reference) : determinant(A);

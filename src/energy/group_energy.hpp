@@ -61,7 +61,7 @@ protected:
     const ReferenceElement& reference_;  // that of most elements
     std::vector<int> nodes_;             // element_count x element nodes, or more
     std::vector<double> curved_ideal_;   // y, nodes x dim; empty where A is constant in each ideal element
-    bool has_one_ideal_ = false;         // or y of one element, m x dim, of which all ideal elements are multiples
+    bool has_one_ideal_ = false;         // or y of one element, m x dim, of which all ideal elements are linear images
 
 private:
     std::array<double, 2> weight_units_{};

@@ -14,8 +14,9 @@ constexpr double delta_of_infeasible = 0.5;  // of elements that need not be val
 std::unique_ptr<GroupEnergy> energy_of(const Mesh& mesh, const std::vector<int>& elements,
                                        const std::vector<double>& ideal, DistortionParams params, bool is_infeasible) {
     std::vector<double> regular;
-    for (std::size_t k = 0; k < elements.size() && !params.regular.empty(); ++k)
-        regular.push_back(params.regular[elements[k]]);
+    const std::size_t stride = params.regular.size() / mesh.element_count();
+    for (const int e : elements)
+        for (std::size_t k = 0; k < stride; ++k) regular.push_back(params.regular[offset(e, stride, k)]);
     params.regular = std::move(regular);
     if (is_infeasible) {
         params.objective = Objective::tangled;

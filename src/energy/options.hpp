@@ -29,7 +29,8 @@ struct DistortionParams {
     PowerParams power = {};
     bool curved_ideal = false;  // A varies over the ideal element
     // Per element the volume of its ideal element, which then is the regular cell of its type, not the element of the
-    // ideal mesh; empty: elements of the ideal mesh.
+    // ideal mesh; or dim x dim numbers, the map to it from the regular cell that has the volume of the reference cell;
+    // empty: elements of the ideal mesh.
     std::vector<double> regular = {};
 };
 

@@ -106,15 +106,13 @@ void PlainEnergy::every_point(const std::vector<double>& x, const Body& body) co
         for (int e = 0; e < element_count_; ++e) {
             const IdealElement& ideal = ideal_[e];
             const ElementRule& rule = rules_.of(e);
-            Mat<n> inverse_A;
-            for (int k = 0; k < n; ++k) std::copy_n(&ideal.inverse[k * n], n, inverse_A[k].begin());
+            Mat<n> inverse_A = matrix_at<n>(ideal.inverse, 0);
             double share = 1;  // det A over its mean
             for (int q = 0; q < rule.reference.points; ++q) {
                 if (!curved_ideal_.empty()) {
                     Mat<n> A = jacobian_at<n>(has_one_ideal_ ? first_nodes.data() : element(e), curved_ideal_,
                                               rule.reference, q);
-                    for (int i = 0; i < n && has_one_ideal_; ++i)
-                        for (double& a : A[i]) a *= std::cbrt(ideal.jacobian);
+                    if (has_one_ideal_) A = multiply<n>(inverse<n>(matrix_at<n>(ideal.inverse, 0)), A);
                     inverse_A = inverse<n>(A);
                     share = determinant(A) / ideal.jacobian;
                 }

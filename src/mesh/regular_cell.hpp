@@ -31,7 +31,7 @@ double regular_volume(const CellType& cell) {
     return cell.is_collapsed ? std::sqrt(0.5) / 3 : determinant(regular_jacobian<n>(cell)) * cell.volume();
 }
 
-// The same to the regular cell of another volume. Of a pyramid, whose Jacobian is not constant, no more than its scale.
+// The same to the regular cell of a volume. Of a pyramid, whose Jacobian is not constant, no more than its scale.
 template <int n>
 Mat<n> regular_jacobian(const CellType& cell, double volume) {
     Mat<n> A{};

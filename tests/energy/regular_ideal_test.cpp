@@ -1,4 +1,4 @@
-// Ideal elements of their own, regular cells of given volumes: DistortionParams::regular.
+// Ideal elements of their own, regular cells of given volumes, or mapped by given matrices: DistortionParams::regular.
 #include <doctest/doctest.h>
 
 #include "mesh/regular_cell.hpp"
@@ -21,6 +21,14 @@ std::vector<Mesh> all_meshes() {
 DistortionParams regular(const Mesh& mesh, Objective objective, Assembly assembly = Assembly::simd) {
     DistortionParams params = with(objective, assembly);
     for (int e = 0; e < mesh.element_count(); ++e) params.regular.push_back(0.1 + 0.01 * e);
+    return params;
+}
+
+DistortionParams mapped(const Mesh& mesh, Objective objective, Assembly assembly = Assembly::simd) {
+    DistortionParams params = with(objective, assembly);
+    for (int e = 0; e < mesh.element_count(); ++e)
+        for (int k = 0; k < mesh.dim * mesh.dim; ++k)
+            params.regular.push_back(k % (mesh.dim + 1) == 0 ? 1 + 0.1 * k : 0.3 * std::sin(e + k));
     return params;
 }
 
@@ -59,24 +67,53 @@ TEST_CASE("the regular cell of the right size, and no other, has no distortion")
     }
 }
 
+TEST_CASE("the regular cell mapped by the matrix of an element has no distortion, and no other") {
+    const Mat<3> T = {{{0.9, 0.2, -0.1}, {0.1, 0.3, 0.2}, {-0.2, 0.1, 0.5}}};
+    for (const CellType& cell : cell_types()) {
+        if (cell.dim < 2) continue;
+        for (const int degree : {1, 2})
+            for (const Assembly assembly : assemblies) {
+                Mesh mesh = regular_mesh(cell, degree, cell.volume());
+                CAPTURE(cell.name);
+                DistortionParams params = with(Objective::size_shape, assembly);
+                for (int i = 0; i < cell.dim; ++i)
+                    for (int j = 0; j < cell.dim; ++j) params.regular.push_back(T[i][j]);
+                const std::vector<double> x = mesh.x;
+                for (std::size_t k = 0; k < x.size(); ++k) {
+                    mesh.x[k] = 0;
+                    const std::size_t a = k % cell.dim;
+                    for (int j = 0; j < cell.dim; ++j)
+                        mesh.x[k] += params.regular[a * cell.dim + j] * x[k - a + j];
+                }
+                const auto E = make_energy(mesh, {}, params);
+                CHECK(E->domain_volume() == doctest::Approx(volume(mesh, mesh.x)));
+                CHECK(E->energy(mesh.x) < 1e-18);
+                CHECK(E->energy(stretched(mesh.x, mesh.dim)) > 1e-3);
+            }
+    }
+}
+
 TEST_CASE("both assemblies agree, with parts of a mesh too, and derivatives have slope 2") {
     for (const Mesh& mesh : all_meshes()) {
         const std::vector<double> x = wavy(stretched(mesh.x, mesh.dim), mesh.dim, 0.01);
         for (const Objective objective : {Objective::squared, Objective::size_shape, Objective::tangled}) {
-            const auto simd = make_energy(mesh, {}, regular(mesh, objective));
-            const auto plain = make_energy(mesh, {}, regular(mesh, objective, Assembly::plain));
-            check_same(*simd, *plain, x);
-            std::vector<char> moves(mesh.nodes(), 0);
-            moves[mesh.element(0)[0]] = moves[mesh.element(0)[1]] = 1;
-            Restriction around;
-            const auto part = simd->part(x, moves, around);
-            const std::vector<int>& node = around.node;
-            std::vector<double> y;
-            for (const int i : node) y.insert(y.end(), point(x, i, mesh.dim), point(x, i, mesh.dim) + mesh.dim);
-            std::vector<double> g = gradient(*simd, x), of_part = gradient(*part, y);
-            for (int i = 0; i < 2 * mesh.dim; ++i)
-                CHECK(of_part[i] == doctest::Approx(point(g, node[i / mesh.dim], mesh.dim)[i % mesh.dim]));
+            for (const auto& ideal : {regular, mapped}) {
+                const auto simd = make_energy(mesh, {}, ideal(mesh, objective, Assembly::simd));
+                const auto plain = make_energy(mesh, {}, ideal(mesh, objective, Assembly::plain));
+                check_same(*simd, *plain, x);
+                std::vector<char> moves(mesh.nodes(), 0);
+                moves[mesh.element(0)[0]] = moves[mesh.element(0)[1]] = 1;
+                Restriction around;
+                const auto part = simd->part(x, moves, around);
+                const std::vector<int>& node = around.node;
+                std::vector<double> y;
+                for (const int i : node) y.insert(y.end(), point(x, i, mesh.dim), point(x, i, mesh.dim) + mesh.dim);
+                std::vector<double> g = gradient(*simd, x), of_part = gradient(*part, y);
+                for (int i = 0; i < 2 * mesh.dim; ++i)
+                    CHECK(of_part[i] == doctest::Approx(point(g, node[i / mesh.dim], mesh.dim)[i % mesh.dim]));
+            }
         }
         check_slopes(*make_energy(mesh, {}, regular(mesh, Objective::squared)), x);
+        check_slopes(*make_energy(mesh, {}, mapped(mesh, Objective::squared)), x);
     }
 }
