@@ -1,9 +1,29 @@
 // v_i = mean of V_e over the elements at node i,   V_e <- mean of v_i over the nodes of e: first for elements without a
 // volume, layer by layer, then once for all.
+//
+// The map from the regular cell to an element is known but for a rotation by T = V S V^T, with the singular values S
+// and right singular vectors V of its mean Jacobian. Where an element does not count, the logarithms of S are the means
+// of its neighbours', mostly of those in the same layer, and the first column of V is that of an edge across the layer.
+// These edges, and the layers, are found from the boundary: nodes are joined by edges much shorter than others at their
+// ends, or as the only ones left between two levels. So they do not depend on where a few nodes have been pushed.
+// Outside layers it is a regular cell.
 #include "mesh/local_size.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
 #include <numeric>
+#include <span>
+#include <tuple>
+#include <utility>
+
+#include "base/disjoint_sets.hpp"
+#include "linalg/dense_solve.hpp"
+#include "mesh/part.hpp"
+#include "mesh/quadrature.hpp"
+#include "mesh/regular_cell.hpp"
+#include "mesh/sides.hpp"
 
 namespace almesh {
 namespace {
@@ -31,7 +51,225 @@ double mean_of_vertices(const Mesh& mesh, int e, const std::vector<double>& of_v
     return sum / std::max(count, 1);
 }
 
+constexpr int unknown = 1000000;
+
+// Per node: the number of short edges from the boundary to it, and the node where the next one ends; or unknown.
+struct Levels {
+    std::vector<int> level, next;
+    bool has_across(int i, int j) const { return next[i] == j || next[j] == i; }
+};
+
+Levels levels(const Mesh& mesh, const std::vector<double>& x) {
+    constexpr double shorter = 0.3;
+    std::vector<std::vector<std::pair<int, double>>> edges(mesh.nodes());  // to others, with their lengths
+    for (int e = 0; e < mesh.element_count(); ++e)
+        for (const auto [v, w] : mesh.cell(e).edges) {
+            const int i = mesh.element(e)[v], j = mesh.element(e)[w];
+            double squared = 0;
+            for (int a = 0; a < mesh.dim; ++a)
+                squared += std::pow(point(x, i, mesh.dim)[a] - point(x, j, mesh.dim)[a], 2);
+            edges[i].push_back({j, std::sqrt(squared)});
+            edges[j].push_back({i, std::sqrt(squared)});
+        }
+    std::vector<double> usual;  // per node: the length after the largest jump
+    for (auto& at_node : edges) {
+        std::sort(at_node.begin(), at_node.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+        usual.push_back(0);
+        double jump = 1;
+        for (std::size_t k = 1; k < at_node.size(); ++k)
+            if (const double before = at_node[k - 1].second, length = at_node[k].second; length > jump * before) {
+                if (before > 0) jump = length / before;
+                usual.back() = length;
+            }
+    }
+    const auto is_short_edge = [&](int i, int j, double length) {
+        return length < shorter * std::min(usual[i], usual[j]);
+    };
+    std::vector<char> on_boundary(mesh.nodes(), 0), on_wall(mesh.nodes(), 0);
+    for (const int i : mesh.faces) on_boundary[i] = 1;
+    DisjointSets walls(mesh.nodes());
+    for (int f = 0; f < mesh.face_count(); ++f) {  // layers are along faces that short edges leave
+        const std::span<const int> vertices = mesh.face_vertices(f);
+        bool has_short = false, leaves = false;
+        for (const int i : vertices)
+            for (const auto& [j, length] : edges[i]) {
+                if (!is_short_edge(i, j, length)) continue;
+                has_short = has_short || std::find(vertices.begin(), vertices.end(), j) != vertices.end();
+                leaves = leaves || !on_boundary[j];
+            }
+        for (const int i : vertices) {
+            if (!leaves || has_short) continue;
+            on_wall[i] = 1;
+            walls.join(i, vertices[0]);
+        }
+    }
+    std::vector<int> level(mesh.nodes(), unknown);
+    const auto spread = [&](std::vector<int> front) {
+        for (std::vector<int> next; !front.empty(); front.swap(next), next.clear())
+            for (const int i : front)
+                for (const auto& [j, length] : edges[i])
+                    if (level[i] != unknown && level[j] == unknown && is_short_edge(i, j, length)) {
+                        level[j] = level[i] + 1;
+                        next.push_back(j);
+                    }
+    };
+    std::map<int, std::vector<int>> nodes_of_walls;  // layers may go from one to another
+    for (int i = 0; i < mesh.nodes(); ++i)
+        if (on_wall[i]) nodes_of_walls[walls.find(i)].push_back(i);
+    for (const auto& [first, nodes] : nodes_of_walls) {
+        const auto is_reached = [&](int i) { return level[i] != unknown; };
+        if (2 * std::count_if(nodes.begin(), nodes.end(), is_reached) > static_cast<int>(nodes.size())) continue;
+        for (const int i : nodes)
+            if (!is_reached(i)) level[i] = 0;
+        spread(nodes);
+    }
+    const std::vector<int> before = level;
+    std::vector<int> all(mesh.nodes());
+    std::iota(all.begin(), all.end(), 0);
+    for (const int i : all) {  // whose short edges are long: as most of the nodes around them
+        std::vector<int> around;
+        for (const auto& [j, length] : edges[i])
+            if (before[j] != unknown) around.push_back(before[j]);
+        std::sort(around.begin(), around.end());
+        if (level[i] == unknown && !around.empty() && 2 * around.size() >= edges[i].size())
+            level[i] = around[around.size() / 2];
+    }
+    spread(all);
+    std::vector<int> up(mesh.nodes(), unknown), down = up;
+    std::vector<std::tuple<double, int, int>> across;  // the shortest first
+    for (int i = 0; i < mesh.nodes(); ++i)
+        for (const auto& [j, length] : edges[i])
+            if (level[i] != unknown && level[j] == level[i] + 1) across.push_back({length, i, j});
+    std::sort(across.begin(), across.end());
+    for (const auto& [length, i, j] : across) {
+        if (up[i] != unknown || down[j] != unknown) continue;
+        up[i] = j;
+        down[j] = i;
+    }
+    return {std::move(level), std::move(up)};
+}
+
+// Lets the values of the elements that do not count be the mean of their neighbours' and, a little, what they were.
+template <int n>
+void extend(const Mesh& mesh, const std::vector<int>& layer, const std::vector<char>& counts,
+            std::vector<Vec<n>>& value) {
+    constexpr int most_sweeps = 500;
+    constexpr double of_itself = 1e-4, across_layers = 1e-3, change = 1e-4;
+    const int most = mesh.most_sides(), count = mesh.element_count();
+    std::vector<Side> sides;
+    for_sides(mesh, [&](int e, int k, int number) { sides.push_back(side_of_element(mesh, e, k, number)); });
+    std::vector<std::vector<int>> neighbours(count);  // of those that do not count
+    for_equal_sides(sides, [&](std::span<const Side> equal) {
+        const int e = equal.front().number / most, f = equal.back().number / most;
+        if (e == f || layer[e] == unknown || layer[f] == unknown) return;
+        if (!counts[e]) neighbours[e].push_back(f);
+        if (!counts[f]) neighbours[f].push_back(e);
+    });
+    const std::vector<Vec<n>> before = value;
+    double largest = 1;
+    for (int sweep = 0; sweep < most_sweeps && largest > change; ++sweep) {
+        largest = 0;
+        for (int k = 0; k < count; ++k) {
+            const int e = sweep % 2 ? count - 1 - k : k;
+            if (neighbours[e].empty()) continue;
+            double sum = of_itself;
+            Vec<n> mean = before[e];
+            for (double& v : mean) v *= of_itself;
+            for (const int f : neighbours[e]) {
+                const double weight = layer[e] == layer[f] ? 1 : across_layers;
+                sum += weight;
+                for (int i = 0; i < n; ++i) mean[i] += weight * value[f][i];
+            }
+            for (int i = 0; i < n; ++i) {
+                mean[i] /= sum;
+                largest = std::max(largest, std::abs(mean[i] - value[e][i]));
+            }
+            value[e] = mean;
+        }
+    }
+}
+
+template <int n>
+std::vector<double> shapes(const Mesh& mesh, const std::vector<double>& x, const std::vector<char>& counts) {
+    const std::vector<double> volumes = local_volumes(mesh, x, counts);
+    const Levels of_nodes = levels(mesh, x);
+    std::vector<int> layer;  // per element, or unknown
+    std::vector<Mat<n>> V;
+    std::vector<Vec<n>> log;
+    for (const ElementGroup& group : mesh.element_groups()) {
+        const ReferenceElement reference = reference_element(*group.cell, 1, cell_quadrature(*group.cell, 2));
+        const auto mean_gradient = [&](const auto& value) {  // of value(k) at vertex k
+            Vec<n> mean{};
+            for (int q = 0; q < reference.points; ++q)
+                for (int k = 0; k < reference.nodes; ++k)
+                    for (int a = 0; a < n; ++a)
+                        mean[a] += value(k) * reference.weight[q] / group.cell->volume() *
+                                   reference.gradients[offset(q, reference.nodes * n, k * n + a)];
+            return mean;
+        };
+        const std::vector<double> regular = regular_nodes(*group.cell, 1);
+        Mat<n> A;
+        for (int i = 0; i < n; ++i) A[i] = mean_gradient([&](int k) { return regular[k * n + i]; });
+        const Mat<n> to_regular = inverse<n>(A);
+        for (const int e : elements_of(group)) {
+            const int* const node = mesh.element(e);
+            layer.push_back(unknown);
+            Vec<n> across{};  // of the regular cell
+            for (const auto [v, w] : group.cell->edges) {
+                if (layer[e] != unknown || !of_nodes.has_across(node[v], node[w])) continue;
+                layer[e] = std::min(of_nodes.level[node[v]], of_nodes.level[node[w]]);
+                for (int i = 0; i < n; ++i) across[i] = regular[w * n + i] - regular[v * n + i];
+            }
+            Mat<n> J, B, G;
+            for (int i = 0; i < n; ++i)
+                J[i] = mean_gradient([&](int k) { return x[offset(node[k], n, i)] - x[offset(node[0], n, i)]; });
+            B = multiply<n>(J, to_regular);
+            if (!counts[e] && layer[e] != unknown) {  // B without what it does across the layer
+                double squared = 0;
+                for (const double a : across) squared += a * a;
+                const Mat<n> all = B;
+                for (int i = 0; i < n; ++i)
+                    for (int j = 0; j < n; ++j)
+                        for (int k = 0; k < n; ++k) B[i][j] -= all[i][k] * across[k] * across[j] / squared;
+            }
+            G = multiply<n>(transpose<n>(B), B);
+            Mat<n> W;
+            diagonalise(n, G[0].data(), W[0].data());
+            std::array<int, n> order;
+            std::iota(order.begin(), order.end(), 0);
+            std::sort(order.begin(), order.end(), [&](int i, int j) { return G[i][i] < G[j][j]; });
+            Vec<n>& of = log.emplace_back();
+            Mat<n>& columns = V.emplace_back();
+            for (int k = 0; k < n; ++k) {
+                of[k] = counts[e] ? 0.5 * std::log(G[order[k]][order[k]])
+                                  : std::log(volumes[e] / group.cell->volume()) / n;
+                for (int i = 0; i < n; ++i) columns[i][k] = W[i][order[k]];
+            }
+            if (counts[e]) {  // more exact than the root of the least eigenvalue
+                of[0] = std::log(determinant(B));
+                for (int k = 1; k < n; ++k) of[0] -= of[k];
+            }
+        }
+    }
+    bool in_layers = false;
+    for (int e = 0; e < mesh.element_count(); ++e) in_layers = in_layers || (!counts[e] && layer[e] != unknown);
+    if (!in_layers) return {};
+    extend<n>(mesh, layer, counts, log);
+    std::vector<double> maps;
+    for (int e = 0; e < mesh.element_count(); ++e) {
+        Mat<n> VS = V[e];
+        for (int k = 0; k < n; ++k)
+            for (int i = 0; i < n; ++i) VS[i][k] *= std::exp(log[e][k]);
+        for (const auto& row : multiply<n>(VS, transpose<n>(V[e]))) maps.insert(maps.end(), row.begin(), row.end());
+    }
+    return maps;
+}
+
 }  // namespace
+
+std::vector<double> local_shapes(const Mesh& mesh, const std::vector<double>& x, const std::vector<char>& counts) {
+    return mesh.dim == 2 ? shapes<2>(mesh, x, counts) : shapes<3>(mesh, x, counts);
+}
 
 std::vector<double> local_volumes(const Mesh& mesh, const std::vector<double>& x, const std::vector<char>& valid) {
     std::vector<double> V(mesh.element_count(), 0);

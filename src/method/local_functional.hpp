@@ -29,6 +29,10 @@ public:
     double valid_fraction(const std::vector<double>& y, const std::vector<double>& to) const override {
         return distortion.valid_fraction(with_fixed(y, at_), with_fixed(to, to_));
     }
+    // Of the elements around.
+    DistortionStatistics statistics(const std::vector<double>& y) const {
+        return distortion.statistics(with_fixed(y, at_));
+    }
     double rounding_error(const std::vector<double>& y, std::vector<double>&) const override {
         return E_.rounding_error(with_fixed(y, at_), g_);
     }

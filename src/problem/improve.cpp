@@ -78,38 +78,14 @@ void find_infeasible_elements(const ProblemOptions& options, Problem& problem, c
 // Untangles x, the first mesh, which has these invalid elements. Those that stay invalid become infeasible.
 void untangle(const ProblemOptions& options, Problem& problem, const std::vector<int>& invalid, std::vector<double>& x,
               int& newton_steps, std::FILE* out) {
-    const Mesh& mesh = problem.mesh();
-    std::vector<double> volumes = problem.regular;
-    for (int e = 0; e < mesh.element_count() && problem.regular.empty(); ++e)
-        volumes.push_back(volume(mesh, problem.ideal(), e));
-    set_functional(options, problem);
     const auto never = problem.infeasible.size() - std::count(problem.infeasible.begin(), problem.infeasible.end(), "");
-    UntanglingResult all{invalid};
-    const auto leave_out = [&](const std::vector<int>& elements) {
-        if (!elements.empty()) problem.infeasible.resize(mesh.element_count());
-        for (const int e : elements)
-            if (is_feasible(problem, e)) problem.infeasible[e] = "no positions were found at which it is valid";
-        std::erase_if(all.left, [&](int e) { return !is_feasible(problem, e); });
-    };
-    for (const bool again : {false, true}) {
-        const std::size_t count = all.left.size();
-        if (again && count > 0)  // others are in their regions
-            leave_out(elements_of(
-                mesh, {{}, infeasible_elements(mesh, x, held_nodes(mesh, problem.target), flat_jacobian)}));
-        if (again && (all.left.empty() || all.left.size() == count)) break;
-        const auto energy = make_energy(
-            problem, *problem.level,
-            {.objective = Objective::tangled, .curved_ideal = true, .regular = problem.regular});
-        const UntanglingResult found = untangle_regions(mesh, volumes, *energy, *problem.level->constraint,
-                                                        problem.target, options.linear, problem.infeasible, x);
-        all = {found.left, all.regions + found.regions, all.newton_iterations + found.newton_iterations};
-    }
-    leave_out(std::vector(all.left));
-    newton_steps += all.newton_iterations;
+    set_functional(options, problem);
+    const UntanglingResult found = almesh::untangle(options, problem, invalid, x);
+    newton_steps += found.newton_iterations;
     const auto left = std::count_if(invalid.begin(), invalid.end(), [&](int e) { return !is_feasible(problem, e); });
     print(out, counted(invalid.size() + never, "element"), " invalid in the file, ",
-          left + static_cast<std::ptrdiff_t>(never), " left after ", counted(all.newton_iterations, "Newton step"),
-          " in ", counted(all.regions, "region"), "\n");
+          left + static_cast<std::ptrdiff_t>(never), " left after ", counted(found.newton_iterations, "Newton step"),
+          " in ", counted(found.regions, "region"), "\n");
 }
 
 // Measures the last row for all elements, infeasible ones included.

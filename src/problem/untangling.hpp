@@ -10,14 +10,14 @@
 // elements stay valid. Boundary nodes are fixed; if that fails, sliding nodes move too, kept near their surfaces by a
 // penalty and then projected onto them. If such a node has passed a corner, so that the boundary is folded over, the
 // region counts as not valid.
+//
+// The ideal elements are those of another mesh if it is given. Else, and where these lead nowhere, they are like the
+// valid ones around (mesh/local_size.hpp), with the thickness of their layer, and where these lead nowhere regular.
+// Nodes that need not move for that go back.
 #pragma once
-#include <string>
 #include <vector>
 
-#include "constraint/constraint.hpp"
-#include "constraint/target.hpp"
-#include "energy/distortion_energy.hpp"
-#include "linalg/linear_solver.hpp"
+#include "problem/problem.hpp"
 
 namespace almesh {
 
@@ -27,12 +27,9 @@ struct UntanglingResult {
     int newton_iterations = 0;
 };
 
-// x: node_count x dim. volume: per element, of the ideal elements of `energy`, which has no regularisation before and
-// after. constraint: if it does not hold at x, all boundary nodes but free ones are fixed. infeasible: the reasons of
-// why_infeasible() for the infeasible elements of `energy`; or empty.
-UntanglingResult untangle_regions(const Mesh& mesh, const std::vector<double>& volume, DistortionEnergy& energy,
-                                  Constraint& constraint, const BoundaryTarget& target,
-                                  const LinearSolverParams& linear, const std::vector<std::string>& infeasible,
-                                  std::vector<double>& x);
+// x: node_count x dim, with these invalid elements. The problem has its functional; if its constraint does not hold at
+// x, all boundary nodes but free ones are fixed. Elements that stay invalid become infeasible.
+UntanglingResult untangle(const ProblemOptions& options, Problem& problem, std::vector<int> invalid,
+                          std::vector<double>& x);
 
 }  // namespace almesh
