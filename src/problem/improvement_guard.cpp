@@ -58,7 +58,7 @@ ImprovementGuard::ImprovementGuard(const ProblemOptions& options, const Problem&
     }
     const bool has_layers = std::find(has_layers_.begin(), has_layers_.end(), 1) != has_layers_.end();
     size_change_ = options.size_change.value_or(has_layers ? usual_change : 0);
-    if (options.size_change) has_layers_.assign(has_layers_.size(), has_layers && size_change_ > 0);
+    if (size_change_ == 0) has_layers_.assign(has_layers_.size(), 0);
 }
 
 bool ImprovementGuard::is_feasible(int e) const { return problem_.infeasible.empty() || problem_.infeasible[e].empty(); }
@@ -78,9 +78,11 @@ std::vector<double> ImprovementGuard::heights(const std::vector<double>& x) cons
 
 void ImprovementGuard::find_layers() {
     std::vector<std::vector<double>> flatness(mesh_.boundaries.size());
+    const std::vector<double> height = heights(mesh_.x), bound = certify(mesh_, mesh_.x).certified_bound;
     for (int f = 0; f < mesh_.face_count(); ++f) {
         const double of_face = std::pow(area(mesh_, mesh_.x, f), 1.0 / (mesh_.dim - 1));
-        if (!mesh_.is_inner(f)) flatness[mesh_.face_boundary[f]].push_back(height_[f] / of_face);
+        const bool is_valid = bound[mesh_.face_element[f]] > 0;
+        if (!mesh_.is_inner(f)) flatness[mesh_.face_boundary[f]].push_back(is_valid ? height[f] / of_face : 1);
     }
     for (std::size_t b = 0; b < flatness.size(); ++b) {
         const auto middle = flatness[b].begin() + std::ssize(flatness[b]) / 2;

@@ -1,8 +1,8 @@
 // What must not be lost where a valid mesh is made better: validity, the least of the measure that is guarded, the
 // surface of the file and, where they are meant, the sizes of elements.
 //
-// Sizes are meant where a boundary has layers of flat cells: in the middle (median) over its faces, the volume of the
-// cell behind, over the area of the face, is below flat_cells of the face's own size. Nodes of such a boundary stay,
+// Sizes are meant where a boundary has layers of flat cells in the file: in the middle (median) over its faces, the
+// cell behind is valid, and its volume over the area of the face is below flat_cells of the face's own size. Nodes of such a boundary stay,
 // and of layers of triangles and tetrahedra.
 #pragma once
 #include <string>
