@@ -59,7 +59,8 @@ struct Untangling {
             reference_.push_back(
                 reference_element(*group.cell, mesh_.degree, element_quadrature(*group.cell, mesh_.degree, 0)));
         find_left();
-        for (const bool anew : {false, true}) untangle_all(anew);
+        untangle_all(false);
+        if (100 * result_.left.size() > static_cast<std::size_t>(mesh_.element_count())) untangle_all(true);
         return std::move(result_);
     }
 
