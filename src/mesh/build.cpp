@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <set>
 
 #include "base/disjoint_sets.hpp"
@@ -193,7 +194,8 @@ std::vector<int> negative_elements(const MeshBuild& build, Folds folds) {
 }
 
 // The elements to turn so that neighbours are on opposite sides of their common face and what hangs together by faces
-// has a positive volume. e + count stands for element e turned; parts that cannot be oriented stay as they are.
+// has a positive volume. e + count stands for element e turned; parts that cannot be oriented stay as they are, and so
+// do single elements of a group (below 1 %), which are inverted for whoever reads the file.
 std::vector<int> turned_by_neighbours(const Mesh& mesh) {
     const int count = mesh.element_count(), most = mesh.most_sides();
     std::vector<Side> sides;
@@ -214,8 +216,17 @@ std::vector<int> turned_by_neighbours(const Mesh& mesh) {
         sum[agree.find(e + count)] -= v;
     }
     std::vector<int> turned;
-    for (int e = 0; e < count; ++e)
-        if (sum[agree.find(e)] < 0) turned.push_back(e);
+    std::map<int, int> of_group, turned_of_group;
+    for (int e = 0; e < count; ++e) {
+        ++of_group[mesh.file.element_physical[e]];
+        if (sum[agree.find(e)] >= 0) continue;
+        turned.push_back(e);
+        ++turned_of_group[mesh.file.element_physical[e]];
+    }
+    std::erase_if(turned, [&](int e) {
+        const int group = mesh.file.element_physical[e];
+        return 100 * turned_of_group[group] < of_group[group];
+    });
     return turned;
 }
 

@@ -28,6 +28,7 @@ constexpr double least_delta = 1e-9;
 constexpr double flat = 1e-12;  // determinant, relative to the ideal one's, that may be rounding
 constexpr double penalties[] = {1e3, 1e8};  // of nodes that slide, in units of |1|^2 per |1|^2
 constexpr double largest_delta = 1e4;  // of a start anew: what is minimised does not depend on the determinant
+constexpr int layers_of_few = 2;  // around up to 1 % of all elements, in which nodes slide
 constexpr int most_deltas = 100, steps_of_first_delta = 100, steps_of_delta = 5, steps_of_barrier = 20;
 
 using Moves = std::vector<char>;  // per node
@@ -72,7 +73,8 @@ struct Untangling {
             int count = 0;
             const std::size_t invalid = result_.left.size();
             for (const bool slide : {false, true}) {
-                if (slide && (!can_slide() || result_.left.empty())) break;
+                const bool are_few = 100 * std::ssize(result_.left) <= mesh_.element_count();
+                if (slide && (!can_slide() || result_.left.empty() || (are_few && layers > layers_of_few))) break;
                 fix_boundary(slide);
                 for (const auto& [first, nodes] : regions(layers, slide)) {
                     Moves moves(mesh_.nodes(), 0);
