@@ -210,12 +210,15 @@ std::vector<int> turned_by_neighbours(const Mesh& mesh) {
         }
     });
     std::vector<double> sum(2 * count, 0.0);
+    bool all_positive = true;
     for (int e = 0; e < count; ++e) {
         const double v = volume(mesh, mesh.x, e);
+        all_positive = all_positive && v > 0;
         sum[agree.find(e)] += v;
         sum[agree.find(e + count)] -= v;
     }
     std::vector<int> turned;
+    if (all_positive) return turned;  // folded, not tangled
     std::map<int, int> of_group, turned_of_group;
     for (int e = 0; e < count; ++e) {
         ++of_group[mesh.file.element_physical[e]];
