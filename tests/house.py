@@ -18,10 +18,10 @@ SRC = ROOT / "src"
 
 # Rooms, each of which includes only itself and those above it.
 ROOMS = {
-    "base": 1493, "linalg": 4817, "mesh": 4580, "geometry": 2004, "energy": 3356, "constraint": 3979, "method": 3061,
-    "check": 2644, "io": 3993, "problem": 4797, "deck": 1627, "report": 1876, "app": 1390,
+    "base": 1503, "linalg": 4817, "mesh": 4862, "geometry": 2004, "energy": 3361, "constraint": 3979, "method": 3065,
+    "check": 2644, "io": 3993, "problem": 4949, "deck": 1627, "report": 1876, "app": 1390,
 }
-MOST = {"src/ without lessons and examples": 40157, "src/examples": 900, "src/lessons": 6000, "README.md": 180,
+MOST = {"src/ without lessons and examples": 40610, "src/examples": 900, "src/lessons": 6000, "README.md": 180,
         "Newton::minimise()": 30, "include depth": 8, "a file": 490, "includes beyond the line": 14}
 # topic: most files, most lines, the files: both of `name.*` where there are two.
 TOPICS = {
@@ -30,7 +30,7 @@ TOPICS = {
     "a Newton step, up to the linear solve": (9, 1039, "method/newton.* method/functional.hpp method/line_search.* "
                                               "method/step_control.hpp method/stopping_tests.hpp "
                                               "method/local_elimination.hpp linalg/linear_solver.hpp"),
-    "energy, plain assembly": (10, 994, "energy/distortion_energy.* energy/group_energy.* energy/plain_energy.* "
+    "energy, plain assembly": (10, 1006, "energy/distortion_energy.* energy/group_energy.* energy/plain_energy.* "
                                "energy/densities.hpp energy/options.hpp "
                                "energy/element_rules.hpp base/small_matrix.hpp"),
     "prescribed positions": (5, 705, "constraint/constraint.hpp constraint/dirichlet.* constraint/trace_space.*"),
