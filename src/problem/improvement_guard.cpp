@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <set>
 
 #include "base/table.hpp"
 #include "check/certificate.hpp"
 #include "check/scaled_jacobian.hpp"
 #include "constraint/sliding_nodes.hpp"
+#include "geometry/face_patches.hpp"
 #include "geometry/patch.hpp"
 #include "problem/corner_smoothing.hpp"
 #include "problem/kept_surface.hpp"
@@ -43,7 +45,7 @@ std::string factor_text(double factor) {
 
 ImprovementGuard::ImprovementGuard(const ProblemOptions& options, const Problem& problem, const std::vector<double>& x)
     : options_(options), problem_(problem), mesh_(problem.mesh()), size_(element_sizes(mesh_, x)), height_(heights(x)),
-      has_layers_(mesh_.boundaries.size(), 0), least_(std::numeric_limits<double>::infinity()) {
+      least_(std::numeric_limits<double>::infinity()) {
     const std::vector<double> values = guarded(x, certify(mesh_, x).certified_bound);
     for (int e = 0; e < mesh_.element_count(); ++e)
         if (is_feasible(e)) least_ = std::min(least_, values[e]);
@@ -77,23 +79,29 @@ std::vector<double> ImprovementGuard::heights(const std::vector<double>& x) cons
 }
 
 void ImprovementGuard::find_layers() {
-    std::vector<std::vector<double>> flatness(mesh_.boundaries.size());
+    constexpr int fewest_faces = 3;
     const std::vector<double> height = heights(mesh_.x), bound = certify(mesh_, mesh_.x).certified_bound;
+    std::vector<double> flatness;
     for (int f = 0; f < mesh_.face_count(); ++f) {
         const double of_face = std::pow(area(mesh_, mesh_.x, f), 1.0 / (mesh_.dim - 1));
-        const bool is_valid = bound[mesh_.face_element[f]] > 0;
-        if (!mesh_.is_inner(f)) flatness[mesh_.face_boundary[f]].push_back(is_valid ? height[f] / of_face : 1);
+        flatness.push_back(bound[mesh_.face_element[f]] > 0 && !mesh_.is_inner(f) ? height[f] / of_face : 1);
     }
-    for (std::size_t b = 0; b < flatness.size(); ++b) {
-        const auto middle = flatness[b].begin() + std::ssize(flatness[b]) / 2;
-        std::nth_element(flatness[b].begin(), middle, flatness[b].end());
-        has_layers_[b] = !flatness[b].empty() && *middle < flat_cells;
+    has_layers_.assign(mesh_.face_count(), 0);
+    for (const std::vector<int>& part : {mesh_.face_boundary, smooth_parts(mesh_, options_.feature_angle)}) {
+        std::map<int, std::vector<double>> of_part;
+        for (int f = 0; f < mesh_.face_count(); ++f) of_part[part[f]].push_back(flatness[f]);
+        for (auto& [number, values] : of_part) {
+            const auto middle = values.begin() + std::ssize(values) / 2;
+            std::nth_element(values.begin(), middle, values.end());
+            for (int f = 0; f < mesh_.face_count() && *middle < flat_cells && std::ssize(values) >= fewest_faces; ++f)
+                if (part[f] == number) has_layers_[f] = 1;
+        }
     }
 }
 
 std::vector<char> ImprovementGuard::on_layers() const {
     std::vector<char> on =
-        nodes_with(mesh_, [&](int f, std::size_t) { return size_change_ > 0 && has_layers_[mesh_.face_boundary[f]]; });
+        nodes_with(mesh_, [&](int f, std::size_t) { return size_change_ > 0 && has_layers_[f]; });
     for (bool grows = size_change_ > 0; grows;) {
         grows = false;
         for (int e = 0; e < mesh_.element_count(); ++e) {
@@ -139,9 +147,11 @@ bool ImprovementGuard::take(const std::vector<double>& from, std::vector<double>
 }
 
 std::string ImprovementGuard::sizes_text(const std::vector<double>& x) const {
+    std::set<std::string> names;
+    for (int f = 0; f < mesh_.face_count(); ++f)
+        if (has_layers_[f]) names.insert(mesh_.boundaries[mesh_.face_boundary[f]]);
     std::string layers;
-    for (std::size_t b = 0; b < has_layers_.size(); ++b)
-        if (has_layers_[b]) layers += (layers.empty() ? "" : ", ") + mesh_.boundaries[b];
+    for (const std::string& name : names) layers += (layers.empty() ? "" : ", ") + name;
     const std::string why = options_.size_change ? "size_change" : layers.empty() ? "no layers of flat cells"
                                                                                   : "layers of flat cells at " + layers;
     return concat("sizes changed by up to ", factor_text(largest_factor(size_, element_sizes(mesh_, x))),

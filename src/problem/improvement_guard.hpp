@@ -1,9 +1,9 @@
 // What must not be lost where a valid mesh is made better: validity, the least of the measure that is guarded, the
 // surface of the file and, where they are meant, the sizes of elements.
 //
-// Sizes are meant where a boundary has layers of flat cells in the file: in the middle (median) over its faces, the
-// cell behind is valid, and its volume over the area of the face is below flat_cells of the face's own size. Nodes of such a boundary stay,
-// and of layers of triangles and tetrahedra.
+// Sizes are meant where a boundary, or a smooth part of one, has layers of flat cells in the file: in the middle
+// (median) over its faces, the cell behind is valid, and its volume over the area of the face is below flat_cells of the
+// face's own size. Nodes of such a boundary stay, and of layers of triangles and tetrahedra.
 #pragma once
 #include <string>
 #include <vector>
@@ -23,7 +23,7 @@ public:
     // anything is left; then all that is guarded is kept. The surface takes as long to measure as a hundred steps.
     // distance: of what is left; null: not measured.
     bool take(const std::vector<double>& from, std::vector<double>& to, std::optional<double>* distance) const;
-    // Per node: whether it is on a boundary with layers, or of flat triangles or tetrahedra on these, which are as they
+    // Per node: whether it is on a face with layers, or of flat triangles or tetrahedra on these, which are as they
     // are meant to be although their scaled Jacobian is small.
     std::vector<char> on_layers() const;
     double size_change() const { return size_change_; }  // 0: sizes are free
@@ -39,7 +39,7 @@ private:
     const Problem& problem_;
     const Mesh& mesh_;
     std::vector<double> size_, height_;  // of elements, and of those at faces
-    std::vector<char> has_layers_;       // per boundary
+    std::vector<char> has_layers_;       // per face
     std::vector<char> is_flat_;          // per element: a flat triangle or tetrahedron
     double size_change_ = 0, most_off_ = options_.surface_tolerance, least_;
 
