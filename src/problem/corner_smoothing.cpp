@@ -148,7 +148,7 @@ private:
         std::vector<Vec<3>> normals;
     };
 
-    const MovingNodes& moving_;
+    const MovingNodes moving_;
     const Mesh& mesh_;
     int dim_, steps_ = 0, count_ = 0;
     double k_ = first_k, weight_ = 0, a_ = 0, reference_ = 0, least_ = 1, best_least_ = 1, of_others_ = 0, sum_of_others_ = 0;
