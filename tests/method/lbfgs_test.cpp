@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 using namespace almesh;
 
@@ -53,7 +54,29 @@ struct Stopped : Rosenbrock {
     bool accept(const std::vector<double>&) override { return ++accepted < 7; }
 };
 
+// Falls by 1 with each value, whatever z is; its gradients along the first of two axes are these, one after the other.
+struct Told : SmoothFunction {
+    std::vector<double> gradient;
+    std::vector<std::vector<double>> asked = {};
+
+    explicit Told(std::vector<double> gradients) : gradient(std::move(gradients)) {}
+    double value(const std::vector<double>& z, std::vector<double>& g) override {
+        g = {gradient[asked.size()], 0};
+        asked.push_back(z);
+        return -static_cast<double>(asked.size());
+    }
+};
+
 }  // namespace
+
+TEST_CASE("L-BFGS forgets no difference for one along which the function is not convex") {
+    Told f({1, 0.5, 0.7, 0.6});  // the slope falls by 0.5 over 0.1, then rises
+    std::vector<double> z{0, 0};
+    minimise(f, {.memory = 1, .max_iterations = 3, .first_step = 0.1, .largest_step = 100}, z);
+    REQUIRE(f.asked.size() == 4);
+    for (const auto& [k, x] : {std::pair(1, -0.1), {2, -0.2}, {3, -0.34}})
+        CHECK(std::abs(f.asked[k][0] - x) < 1e-14);
+}
 
 TEST_CASE("L-BFGS finds the minimum of Rosenbrock's function, of any number of variables, with a value per step") {
     for (const std::size_t n : {2, 40}) {
