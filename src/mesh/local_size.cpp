@@ -53,47 +53,51 @@ double mean_of_vertices(const Mesh& mesh, int e, const std::vector<double>& of_v
 
 constexpr int unknown = 1000000;
 
-// Per node: the number of short edges from the boundary to it, and the node where the next one ends; or unknown.
-struct Levels {
-    std::vector<int> level, next;
-    bool has_across(int i, int j) const { return next[i] == j || next[j] == i; }
-};
+// Per node the edges to others, the shortest first, and which of these are much shorter than others at both ends.
+struct NodeEdges {
+    std::vector<std::vector<std::pair<int, double>>> of;  // the other end, and the length
+    std::vector<double> usual;                            // the length after the largest jump
 
-Levels levels(const Mesh& mesh, const std::vector<double>& x) {
-    constexpr double shorter = 0.3;
-    std::vector<std::vector<std::pair<int, double>>> edges(mesh.nodes());  // to others, with their lengths
-    for (int e = 0; e < mesh.element_count(); ++e)
-        for (const auto [v, w] : mesh.cell(e).edges) {
-            const int i = mesh.element(e)[v], j = mesh.element(e)[w];
-            double squared = 0;
-            for (int a = 0; a < mesh.dim; ++a)
-                squared += std::pow(point(x, i, mesh.dim)[a] - point(x, j, mesh.dim)[a], 2);
-            edges[i].push_back({j, std::sqrt(squared)});
-            edges[j].push_back({i, std::sqrt(squared)});
-        }
-    std::vector<double> usual;  // per node: the length after the largest jump
-    for (auto& at_node : edges) {
-        std::sort(at_node.begin(), at_node.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-        usual.push_back(0);
-        double jump = 1;
-        for (std::size_t k = 1; k < at_node.size(); ++k)
-            if (const double before = at_node[k - 1].second, length = at_node[k].second; length > jump * before) {
+    NodeEdges(const Mesh& mesh, const std::vector<double>& x) : of(mesh.nodes()) {
+        for (int e = 0; e < mesh.element_count(); ++e)
+            for (const auto [v, w] : mesh.cell(e).edges) {
+                const int i = mesh.element(e)[v], j = mesh.element(e)[w];
+                double squared = 0;
+                for (int a = 0; a < mesh.dim; ++a)
+                    squared += std::pow(point(x, i, mesh.dim)[a] - point(x, j, mesh.dim)[a], 2);
+                of[i].push_back({j, std::sqrt(squared)});
+                of[j].push_back({i, std::sqrt(squared)});
+            }
+        for (auto& edges : of) {
+            std::sort(edges.begin(), edges.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+            usual.push_back(0);
+            double jump = 1;
+            for (std::size_t k = 1; k < edges.size(); ++k) {
+                const double before = edges[k - 1].second, length = edges[k].second;
+                if (!(length > jump * before)) continue;
                 if (before > 0) jump = length / before;
                 usual.back() = length;
             }
+        }
     }
-    const auto is_short_edge = [&](int i, int j, double length) {
+
+    bool is_short(int i, int j, double length) const {
+        constexpr double shorter = 0.3;
         return length < shorter * std::min(usual[i], usual[j]);
-    };
+    }
+};
+
+// The nodes of faces that short edges leave, and on which none lies, by what hangs together.
+std::map<int, std::vector<int>> walls_of(const Mesh& mesh, const NodeEdges& edges) {
     std::vector<char> on_boundary(mesh.nodes(), 0), on_wall(mesh.nodes(), 0);
     for (const int i : mesh.faces) on_boundary[i] = 1;
     DisjointSets walls(mesh.nodes());
-    for (int f = 0; f < mesh.face_count(); ++f) {  // layers are along faces that short edges leave
+    for (int f = 0; f < mesh.face_count(); ++f) {
         const std::span<const int> vertices = mesh.face_vertices(f);
         bool has_short = false, leaves = false;
         for (const int i : vertices)
-            for (const auto& [j, length] : edges[i]) {
-                if (!is_short_edge(i, j, length)) continue;
+            for (const auto& [j, length] : edges.of[i]) {
+                if (!edges.is_short(i, j, length)) continue;
                 has_short = has_short || std::find(vertices.begin(), vertices.end(), j) != vertices.end();
                 leaves = leaves || !on_boundary[j];
             }
@@ -103,51 +107,70 @@ Levels levels(const Mesh& mesh, const std::vector<double>& x) {
             walls.join(i, vertices[0]);
         }
     }
-    std::vector<int> level(mesh.nodes(), unknown);
-    const auto spread = [&](std::vector<int> front) {
-        for (std::vector<int> next; !front.empty(); front.swap(next), next.clear())
-            for (const int i : front)
-                for (const auto& [j, length] : edges[i])
-                    if (level[i] != unknown && level[j] == unknown && is_short_edge(i, j, length)) {
-                        level[j] = level[i] + 1;
-                        next.push_back(j);
-                    }
-    };
-    std::map<int, std::vector<int>> nodes_of_walls;  // layers may go from one to another
+    std::map<int, std::vector<int>> nodes;
     for (int i = 0; i < mesh.nodes(); ++i)
-        if (on_wall[i]) nodes_of_walls[walls.find(i)].push_back(i);
-    for (const auto& [first, nodes] : nodes_of_walls) {
+        if (on_wall[i]) nodes[walls.find(i)].push_back(i);
+    return nodes;
+}
+
+// Gives the nodes beyond these, along short edges, the next levels.
+void spread(const NodeEdges& edges, std::vector<int> front, std::vector<int>& level) {
+    for (std::vector<int> next; !front.empty(); front.swap(next), next.clear())
+        for (const int i : front)
+            for (const auto& [j, length] : edges.of[i])
+                if (level[i] != unknown && level[j] == unknown && edges.is_short(i, j, length)) {
+                    level[j] = level[i] + 1;
+                    next.push_back(j);
+                }
+}
+
+// Per node: the number of short edges from a wall to it, or unknown. Layers may go from one wall to another.
+std::vector<int> levels_of(const Mesh& mesh, const NodeEdges& edges) {
+    std::vector<int> level(mesh.nodes(), unknown);
+    for (const auto& [first, nodes] : walls_of(mesh, edges)) {
         const auto is_reached = [&](int i) { return level[i] != unknown; };
         if (2 * std::count_if(nodes.begin(), nodes.end(), is_reached) > static_cast<int>(nodes.size())) continue;
         for (const int i : nodes)
             if (!is_reached(i)) level[i] = 0;
-        spread(nodes);
+        spread(edges, nodes, level);
     }
     const std::vector<int> before = level;
     std::vector<int> all(mesh.nodes());
     std::iota(all.begin(), all.end(), 0);
     for (const int i : all) {  // whose short edges are long: as most of the nodes around them
         std::vector<int> around;
-        for (const auto& [j, length] : edges[i])
+        for (const auto& [j, length] : edges.of[i])
             if (before[j] != unknown) around.push_back(before[j]);
         std::sort(around.begin(), around.end());
-        if (level[i] == unknown && !around.empty() && 2 * around.size() >= edges[i].size())
+        if (level[i] == unknown && !around.empty() && 2 * around.size() >= edges.of[i].size())
             level[i] = around[around.size() / 2];
     }
-    spread(all);
-    std::vector<int> up(mesh.nodes(), unknown), down = up;
-    std::vector<std::tuple<double, int, int>> across;  // the shortest first
-    for (int i = 0; i < mesh.nodes(); ++i)
-        for (const auto& [j, length] : edges[i])
-            if (level[i] != unknown && level[j] == level[i] + 1) across.push_back({length, i, j});
-    std::sort(across.begin(), across.end());
-    for (const auto& [length, i, j] : across) {
-        if (up[i] != unknown || down[j] != unknown) continue;
-        up[i] = j;
-        down[j] = i;
-    }
-    return {std::move(level), std::move(up)};
+    spread(edges, all, level);
+    return level;
 }
+
+// Per node its level, and the node of the next one where the edge across the layer ends; or unknown.
+struct Levels {
+    std::vector<int> level, next;
+
+    Levels(const Mesh& mesh, const std::vector<double>& x) : next(mesh.nodes(), unknown) {
+        const NodeEdges edges(mesh, x);
+        level = levels_of(mesh, edges);
+        std::vector<int> down = next;
+        std::vector<std::tuple<double, int, int>> across;  // the shortest first
+        for (int i = 0; i < mesh.nodes(); ++i)
+            for (const auto& [j, length] : edges.of[i])
+                if (level[i] != unknown && level[j] == level[i] + 1) across.push_back({length, i, j});
+        std::sort(across.begin(), across.end());
+        for (const auto& [length, i, j] : across) {
+            if (next[i] != unknown || down[j] != unknown) continue;
+            next[i] = j;
+            down[j] = i;
+        }
+    }
+
+    bool has_across(int i, int j) const { return next[i] == j || next[j] == i; }
+};
 
 // Lets the values of the elements that do not count be the mean of their neighbours' and, a little, what they were.
 template <int n>
@@ -189,70 +212,84 @@ void extend(const Mesh& mesh, const std::vector<int>& layer, const std::vector<c
     }
 }
 
+// T of an element: its right singular vectors, in columns, and the logarithms of its singular values, ascending.
+template <int n>
+struct Map {
+    Mat<n> V;
+    Vec<n> log;
+
+    explicit Map(const Mat<n>& B) {
+        Mat<n> G = multiply<n>(transpose<n>(B), B), W;
+        diagonalise(n, G[0].data(), W[0].data());
+        std::array<int, n> order;
+        std::iota(order.begin(), order.end(), 0);
+        std::sort(order.begin(), order.end(), [&](int i, int j) { return G[i][i] < G[j][j]; });
+        for (int k = 0; k < n; ++k) {
+            log[k] = 0.5 * std::log(G[order[k]][order[k]]);
+            for (int i = 0; i < n; ++i) V[i][k] = W[i][order[k]];
+        }
+    }
+};
+
+// Of the straight element with these vertices.
+template <int n>
+Mat<n> mean_jacobian(const int* node, const std::vector<double>& x, const ReferenceElement& reference) {
+    Mat<n> mean{};
+    for (int q = 0; q < reference.points; ++q) {
+        const Mat<n> J = jacobian_at<n>(node, x, reference, q);
+        for (int i = 0; i < n; ++i)
+            for (int j = 0; j < n; ++j) mean[i][j] += J[i][j] * reference.weight[q] / reference.cell->volume();
+    }
+    return mean;
+}
+
+// B without what it does along `across`, a vector of the regular cell.
+template <int n>
+Mat<n> without(const Vec<n>& across, const Mat<n>& B) {
+    double squared = 0;
+    for (const double a : across) squared += a * a;
+    Mat<n> result = B;
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j)
+            for (int k = 0; k < n; ++k) result[i][j] -= B[i][k] * across[k] * across[j] / squared;
+    return result;
+}
+
 template <int n>
 std::vector<double> shapes(const Mesh& mesh, const std::vector<double>& x, const std::vector<char>& counts) {
     const std::vector<double> volumes = local_volumes(mesh, x, counts);
-    const Levels of_nodes = levels(mesh, x);
+    const Levels of_nodes(mesh, x);
     std::vector<int> layer;  // per element, or unknown
     std::vector<Mat<n>> V;
     std::vector<Vec<n>> log;
+    bool in_layers = false;
     for (const ElementGroup& group : mesh.element_groups()) {
-        const ReferenceElement reference = reference_element(*group.cell, 1, cell_quadrature(*group.cell, 2));
-        const auto mean_gradient = [&](const auto& value) {  // of value(k) at vertex k
-            Vec<n> mean{};
-            for (int q = 0; q < reference.points; ++q)
-                for (int k = 0; k < reference.nodes; ++k)
-                    for (int a = 0; a < n; ++a)
-                        mean[a] += value(k) * reference.weight[q] / group.cell->volume() *
-                                   reference.gradients[offset(q, reference.nodes * n, k * n + a)];
-            return mean;
-        };
+        constexpr int vertices[] = {0, 1, 2, 3, 4, 5, 6, 7};
         const std::vector<double> regular = regular_nodes(*group.cell, 1);
-        Mat<n> A;
-        for (int i = 0; i < n; ++i) A[i] = mean_gradient([&](int k) { return regular[k * n + i]; });
-        const Mat<n> to_regular = inverse<n>(A);
+        const ReferenceElement reference = reference_element(*group.cell, 1, cell_quadrature(*group.cell, 2));
+        const Mat<n> to_regular = inverse<n>(mean_jacobian<n>(vertices, regular, reference));
         for (const int e : elements_of(group)) {
             const int* const node = mesh.element(e);
             layer.push_back(unknown);
-            Vec<n> across{};  // of the regular cell
+            Vec<n> across{};
             for (const auto [v, w] : group.cell->edges) {
                 if (layer[e] != unknown || !of_nodes.has_across(node[v], node[w])) continue;
                 layer[e] = std::min(of_nodes.level[node[v]], of_nodes.level[node[w]]);
                 for (int i = 0; i < n; ++i) across[i] = regular[w * n + i] - regular[v * n + i];
             }
-            Mat<n> J, B, G;
-            for (int i = 0; i < n; ++i)
-                J[i] = mean_gradient([&](int k) { return x[offset(node[k], n, i)] - x[offset(node[0], n, i)]; });
-            B = multiply<n>(J, to_regular);
-            if (!counts[e] && layer[e] != unknown) {  // B without what it does across the layer
-                double squared = 0;
-                for (const double a : across) squared += a * a;
-                const Mat<n> all = B;
-                for (int i = 0; i < n; ++i)
-                    for (int j = 0; j < n; ++j)
-                        for (int k = 0; k < n; ++k) B[i][j] -= all[i][k] * across[k] * across[j] / squared;
+            const Mat<n> B = multiply<n>(mean_jacobian<n>(node, x, reference), to_regular);
+            const bool is_guessed = !counts[e] && layer[e] != unknown;
+            in_layers = in_layers || is_guessed;
+            Map<n> map(is_guessed ? without<n>(across, B) : B);
+            if (!counts[e]) map.log.fill(std::log(volumes[e] / group.cell->volume()) / n);
+            else {  // the least is more exact than the root of an eigenvalue
+                map.log[0] = std::log(determinant(B));
+                for (int k = 1; k < n; ++k) map.log[0] -= map.log[k];
             }
-            G = multiply<n>(transpose<n>(B), B);
-            Mat<n> W;
-            diagonalise(n, G[0].data(), W[0].data());
-            std::array<int, n> order;
-            std::iota(order.begin(), order.end(), 0);
-            std::sort(order.begin(), order.end(), [&](int i, int j) { return G[i][i] < G[j][j]; });
-            Vec<n>& of = log.emplace_back();
-            Mat<n>& columns = V.emplace_back();
-            for (int k = 0; k < n; ++k) {
-                of[k] = counts[e] ? 0.5 * std::log(G[order[k]][order[k]])
-                                  : std::log(volumes[e] / group.cell->volume()) / n;
-                for (int i = 0; i < n; ++i) columns[i][k] = W[i][order[k]];
-            }
-            if (counts[e]) {  // more exact than the root of the least eigenvalue
-                of[0] = std::log(determinant(B));
-                for (int k = 1; k < n; ++k) of[0] -= of[k];
-            }
+            V.push_back(map.V);
+            log.push_back(map.log);
         }
     }
-    bool in_layers = false;
-    for (int e = 0; e < mesh.element_count(); ++e) in_layers = in_layers || (!counts[e] && layer[e] != unknown);
     if (!in_layers) return {};
     extend<n>(mesh, layer, counts, log);
     std::vector<double> maps;
