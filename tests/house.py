@@ -18,10 +18,10 @@ SRC = ROOT / "src"
 
 # Rooms, each of which includes only itself and those above it.
 ROOMS = {
-    "base": 1503, "linalg": 4817, "mesh": 4862, "geometry": 2004, "energy": 3361, "constraint": 3979, "method": 3065,
-    "check": 2644, "io": 3993, "problem": 4959, "deck": 1627, "report": 1876, "app": 1390,
+    "base": 1503, "linalg": 4817, "mesh": 4899, "geometry": 2004, "energy": 3361, "constraint": 3979, "method": 3065,
+    "check": 2644, "io": 3993, "problem": 4962, "deck": 1627, "report": 1876, "app": 1390,
 }
-MOST = {"src/ without lessons and examples": 40620, "src/examples": 900, "src/lessons": 6000, "README.md": 180,
+MOST = {"src/ without lessons and examples": 40657, "src/examples": 900, "src/lessons": 6000, "README.md": 180,
         "Newton::minimise()": 30, "include depth": 8, "a file": 490, "includes beyond the line": 14}
 # topic: most files, most lines, the files: both of `name.*` where there are two.
 TOPICS = {
@@ -34,7 +34,7 @@ TOPICS = {
                                "energy/densities.hpp energy/options.hpp "
                                "energy/element_rules.hpp base/small_matrix.hpp"),
     "prescribed positions": (5, 705, "constraint/constraint.hpp constraint/dirichlet.* constraint/trace_space.*"),
-    "driver, from main to minimise": (16, 2250, "main.cpp app/commands.hpp app/command_line.cpp app/run/run.cpp "
+    "driver, from main to minimise": (16, 2251, "main.cpp app/commands.hpp app/command_line.cpp app/run/run.cpp "
                                       "deck/make_problem.* problem/problem.* problem/solve.* method/levels.* "
                                       "method/p_norm.* method/continuation.*"),
 }

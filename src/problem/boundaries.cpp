@@ -153,6 +153,8 @@ void set_contacts(const ProblemSetup& setup, Mesh& mesh) {
 
 }  // namespace
 
+bool stays_on_surface(const Motion& motion) { return is_fixed(motion) || motion == motion_of(NodeKind::slides); }
+
 const char* const without_motion =
     "sides that are periodic in the file move as one where no line names them, something else moves, both are sides of "
     "the mesh, and the nodes of one are those of the other rotated and moved";
@@ -200,9 +202,9 @@ std::vector<Motion> motions_of(const ProblemSetup& setup, const Mesh& mesh, std:
         const BoundaryMotion* const line = motion_for(setup, mesh.boundaries[b]);
         const bool slides = setup.surface == SurfaceKind::slide && line && !line->is_volume;
         motions.push_back(!line ? motion_of(NodeKind::fixed) : slides ? sliding(line->motion) : line->motion);
-        const bool stays = is_fixed(motions[b]) || motions[b] == motion_of(NodeKind::slides);
         const bool is_inner = !mesh.inner.empty() && mesh.inner[b];
-        periodic.push_back(stays && !is_inner && !find_row(setup.boundaries, mesh.boundaries[b]));
+        periodic.push_back(stays_on_surface(motions[b]) && !is_inner &&
+                           !find_row(setup.boundaries, mesh.boundaries[b]));
     }
     periodic = periodic_boundaries(mesh, periodic);
     for (std::size_t b = 0; b < motions.size(); ++b)
@@ -218,6 +220,10 @@ std::vector<Motion> motions_of(const ProblemSetup& setup, const Mesh& mesh, std:
     throw SettingError("", counted(missing.size(), "boundary line"),
                      " missing; add `boundary rest = fixed`, or each of these with its motion:", lines,
                      mesh.file.periodic.empty() ? "" : concat("\n", without_motion));
+}
+
+bool may_stay(const ProblemOptions& options, const std::vector<Motion>& motions) {
+    return options.ideal == IdealKind::regular && std::all_of(motions.begin(), motions.end(), stays_on_surface);
 }
 
 }  // namespace almesh

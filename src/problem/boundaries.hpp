@@ -44,4 +44,9 @@ void drop_empty_boundaries(Mesh& mesh);
 // `rest` or `all` says so. Where nothing else moves these stay, too.
 std::vector<Motion> motions_of(const ProblemSetup& setup, const Mesh& mesh, std::vector<char>* periodic = nullptr);
 
+bool stays_on_surface(const Motion& motion);  // fixed, or no more than `slide`
+
+// Whether the file's mesh may be the result of an improvement: regular ideal elements, all boundaries stay or slide.
+bool may_stay(const ProblemOptions& options, const std::vector<Motion>& motions);
+
 }  // namespace almesh

@@ -18,7 +18,7 @@
 namespace almesh {
 namespace {
 
-constexpr double first_k = 10, last_k = 1280;
+constexpr int stages = 8;  // k = 10, 20, ..., 1280
 constexpr int fewest_steps = 100, most_steps = 400;  // of a stage
 constexpr double work_of_stage = 5.6e6;              // corners times steps, between these
 constexpr double least_fall = 1e-3;                  // of E_k in ten steps
@@ -52,6 +52,12 @@ std::array<Vec<3>, most_vertices> vertices_of(const Mesh& mesh, const std::vecto
     return vertex;
 }
 
+double size_of(const std::vector<Corner>& corners, const std::array<Vec<3>, most_vertices>& vertex, int dim) {
+    double sum = 0;
+    for (const Corner& corner : corners) sum += CornerEdges(corner, vertex, dim).determinant / corner.regular;
+    return sum / static_cast<double>(corners.size());
+}
+
 class CornerFunction : public SmoothFunction {
 public:
     CornerFunction(const MovingNodes& moving, const std::vector<double>& x)
@@ -62,9 +68,10 @@ public:
         find_sliding();
     }
 
-    std::function<void(int step)> observe;
-
     int steps() const { return steps_; }
+    int steps_of_stage() const {
+        return std::clamp(static_cast<int>(work_of_stage / count_), fewest_steps, most_steps);
+    }
     int elements() const { return static_cast<int>(element_.size()); }
     int corners() const { return count_; }
     double least() const { return least_; }
@@ -123,7 +130,8 @@ public:
     }
 
     bool accept(const std::vector<double>&) override {
-        observe(++steps_);
+        ++steps_;
+        if (moving_.observe) moving_.observe(steps_, stages * steps_of_stage());
         if (least_ <= best_least_) return true;
         best_least_ = least_;
         best_ = x_;
@@ -151,7 +159,7 @@ private:
     const MovingNodes moving_;
     const Mesh& mesh_;
     int dim_, steps_ = 0, count_ = 0;
-    double k_ = first_k, weight_ = 0, a_ = 0, reference_ = 0, least_ = 1, best_least_ = 1, of_others_ = 0, sum_of_others_ = 0;
+    double k_ = 1, weight_ = 0, a_ = 0, reference_ = 0, least_ = 1, best_least_ = 1, of_others_ = 0, sum_of_others_ = 0;
     std::vector<double> from_;       // positions at z = 0
     std::vector<double> x_;          // and at z
     std::vector<double> best_, first_size_;
@@ -298,9 +306,7 @@ private:
     void add_size(int k, const std::array<Vec<3>, most_vertices>& vertex, Terms& of, Vec<3>* slopes) {
         const std::vector<Corner>& corners = corners_[mesh_.group_number(element_[k])];
         const double count = static_cast<double>(corners.size()), bound = std::log1p(moving_.size_change);
-        double size = 0;
-        for (const Corner& corner : corners)
-            size += CornerEdges(corner, vertex, dim_).determinant / corner.regular / count;
+        const double size = size_of(corners, vertex, dim_);
         const double change = size > 0 ? std::log(size / first_size_[element_[k]]) / bound
                                        : -std::numeric_limits<double>::infinity();
         const double beyond = std::max(0.0, std::abs(change) - free_part);
@@ -326,10 +332,7 @@ std::vector<double> element_sizes(const Mesh& mesh, const std::vector<double>& x
     for (const ElementGroup& group : mesh.element_groups()) {
         const std::vector<Corner> corners = corners_of(*group.cell);
         parallel_for(group.count, [&](int k) {
-            const std::array<Vec<3>, most_vertices> vertex = vertices_of(mesh, x, group.first + k);
-            for (const Corner& corner : corners)
-                sizes[group.first + k] += CornerEdges(corner, vertex, mesh.dim).determinant /
-                                          corner.regular / static_cast<double>(corners.size());
+            sizes[group.first + k] = size_of(corners, vertices_of(mesh, x, group.first + k), mesh.dim);
         });
     }
     return sizes;
@@ -349,14 +352,10 @@ int smooth_corners(const MovingNodes& moving,
     if (E.corners() == 0) return 0;
     std::vector<double> z(x.size(), 0.0), g(x.size());
     double reached = -1;
-    const int steps = std::clamp(static_cast<int>(work_of_stage / E.corners()), fewest_steps, most_steps);
-    int most = 0;
-    for (double k = first_k; k <= last_k; k *= 2) most += steps;
-    E.observe = [&](int step) { if (moving.observe) moving.observe(step, most); };
-    for (double k = first_k; k <= last_k && !interrupted(); k *= 2) {
-        if (!E.begin(k, z, g)) break;
-        if (k == first_k) reached = E.least();
-        minimise(E, {.max_iterations = steps, .least_fall = least_fall}, z);
+    for (int stage = 0; stage < stages && !interrupted(); ++stage) {
+        if (!E.begin(10 << stage, z, g)) break;
+        if (stage == 0) reached = E.least();
+        minimise(E, {.max_iterations = E.steps_of_stage(), .least_fall = least_fall}, z);
         if (E.best_least() <= reached + worthwhile) continue;
         std::vector<double> to = E.best();
         E.put_back(to);

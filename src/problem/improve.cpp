@@ -24,21 +24,11 @@
 namespace almesh {
 namespace {
 
-bool is_feasible(const Problem& problem, int e) { return problem.infeasible.empty() || problem.infeasible[e].empty(); }
-
 // Feasible elements that are not valid.
 std::vector<int> invalid_elements(const Problem& problem, const std::vector<double>& x) {
     std::vector<int> invalid = certify(problem.mesh(), x).uncertified;
-    std::erase_if(invalid, [&](int e) { return !is_feasible(problem, e); });
+    std::erase_if(invalid, [&](int e) { return !problem.is_feasible(e); });
     return invalid;
-}
-
-// Whether the file's mesh may be the result: regular ideal elements, and a boundary that stays on its surface.
-bool may_stay(const ProblemOptions& options, const Problem& problem) {
-    const auto stays = [](const Motion& motion) {
-        return is_fixed(motion) || motion == motion_of(NodeKind::slides);
-    };
-    return options.ideal == IdealKind::regular && std::all_of(problem.motions.begin(), problem.motions.end(), stays);
 }
 
 // Valid and injective. With infeasible elements: the others valid, the boundary with no more faults than in the file.
@@ -82,7 +72,7 @@ void untangle(const ProblemOptions& options, Problem& problem, const std::vector
     set_functional(options, problem);
     const UntanglingResult found = almesh::untangle(options, problem, invalid, x);
     newton_steps += found.newton_iterations;
-    const auto left = std::count_if(invalid.begin(), invalid.end(), [&](int e) { return !is_feasible(problem, e); });
+    const auto left = std::count_if(invalid.begin(), invalid.end(), [&](int e) { return !problem.is_feasible(e); });
     print(out, counted(invalid.size() + never, "element"), " invalid in the file, ",
           left + static_cast<std::ptrdiff_t>(never), " left after ", counted(found.newton_iterations, "Newton step"),
           " in ", counted(found.regions, "region"), "\n");
@@ -116,7 +106,7 @@ public:
         std::vector<double> x = problem_.start.empty() ? mesh.x : problem_.start;
         if (!make_valid(x)) return ended_at(problem_, std::move(x), Status::inverted);
         problem_.start = x;
-        const bool stays = may_stay(setup_, problem_);
+        const bool stays = may_stay(setup_, problem_.motions);
         const bool minimises = !stays || setup_.needs_objective || mesh.degree > 1;
         Solution solution = at(x);
         if (setup_.stops_valid || interrupted()) return solution;
@@ -149,7 +139,7 @@ private:
     bool make_valid(std::vector<double>& x) {
         const std::vector<double> came = x;
         const bool was_certified = invalid_elements(problem_, x).empty();
-        if (!was_certified || !may_stay(setup_, problem_)) find_infeasible_elements(setup_, problem_, x, out_);
+        if (!was_certified || !may_stay(setup_, problem_.motions)) find_infeasible_elements(setup_, problem_, x, out_);
         if (const std::vector<int> invalid = invalid_elements(problem_, x); !invalid.empty())
             untangle(setup_, problem_, invalid, x, newton_steps_, out_);
         const auto& why = problem_.infeasible;
@@ -163,8 +153,8 @@ private:
         return true;
     }
 
-    // The distortion relative to the ideal elements minimised, from x on. guard: of a mesh that may also stay at x, where
-    // nodes that lose what is guarded stay; null for others.
+    // The distortion relative to the ideal elements minimised, from x on. guard: of a mesh that may also stay at x; nodes
+    // that lose what is guarded stay there; null for others.
     Solution minimised(const std::vector<double>& x, const ImprovementGuard* guard) {
         const auto fails = [&](const Solution& solution) {
             return guard && !interrupted() &&
@@ -244,7 +234,7 @@ private:
         const double seconds = watch_.seconds(), all = seconds / step * most;
         if (has_foreseen_ || seconds < seconds_before || step < 10) return;
         has_foreseen_ = true;
-        if (all > worth_telling) print(out_, "about ", to_text(all, 2), " s will be needed\n"), std::fflush(out_);
+        if (all > worth_telling) print(out_, "this takes at most about ", to_text(all, 2), " s\n"), std::fflush(out_);
     }
 };
 
@@ -306,18 +296,21 @@ std::vector<double> curved_again(const ProblemSetup& setup, const Problem& probl
     return {};
 }
 
-// Of a curved mesh, whose certified bound counts, and then its corners.
-bool is_better(const ProblemOptions& options, Problem& problem, std::vector<double>& x) {
+// Of a curved mesh, whose certified bound counts, and then its corners. distance: of the surface, where it is better.
+bool is_better(const ProblemOptions& options, Problem& problem, std::vector<double>& x,
+               std::optional<double>& distance) {
     const Mesh& mesh = problem.mesh();
     if (x.empty() || x == mesh.x || !is_certified(problem, x)) return false;
-    if (options.needs_tolerance && surface_distance(problem, x) > options.surface_tolerance) return false;
+    std::optional<double> off;
     if (invalid_elements(problem, mesh.x).empty()) {
-        std::optional<double> distance;
-        if (!ImprovementGuard(options, problem, mesh.x).take(mesh.x, x, &distance) || !is_certified(problem, x)) return false;
+        const ImprovementGuard guard(options, problem, mesh.x);
+        if (!guard.take(mesh.x, x, &off) || !is_certified(problem, x)) return false;
         const auto bound = [&](const std::vector<double>& at) { return certify(mesh, at).min_certified_bound; };
         if (bound(x) == bound(mesh.x) && least_corner_jacobian(mesh, x) <= least_corner_jacobian(mesh, mesh.x))
             return false;
-    }
+    } else off = surface_distance(problem, x);
+    if (options.needs_tolerance && *off > options.surface_tolerance) return false;
+    distance = off;
     fix_boundary(problem, x);
     return true;
 }
@@ -334,25 +327,26 @@ void set_regular_elements(Problem& problem) {
 Solution improve(const ProblemSetup& setup, Problem& problem, const Solve& solve, MeshSoFar& so_far,
                  int& newton_steps, std::FILE* out) {
     std::vector<double> x;
-    if (problem.mesh().degree > 1 && may_stay(setup, problem) && !setup.needs_objective)
+    if (problem.mesh().degree > 1 && may_stay(setup, problem.motions) && !setup.needs_objective)
         x = curved_again(setup, problem, solve, newton_steps);
     Improvement improvement(setup, problem, solve, so_far, newton_steps, out);
+    std::optional<double>& distance = improvement.distance;
     Solution solution;
-    if (is_better(setup, problem, x)) {
+    if (is_better(setup, problem, x, distance)) {
         const Certificate before = certify(problem.mesh(), problem.mesh().x), after = certify(problem.mesh(), x);
         print(out, counted(before.uncertified.size(), "element"), " invalid in the file, ", after.uncertified.size(),
-              " left after ", counted(newton_steps, "Newton step"), ": improved with straight sides, and curved again; ",
-              "certified bound from ", rounded_down(before.min_certified_bound, 4), " to ",
+              " left after ", counted(newton_steps, "Newton step"), ": ",
+              setup.stops_valid ? "" : "improved with straight sides, and ", "curved again; certified bound from ",
+              rounded_down(before.min_certified_bound, 4), " to ",
               rounded_down(after.min_certified_bound, 4), "\n");
         if (interrupted()) so_far.write(*problem.level, x);
         solution = improvement.at(std::move(x));
     } else solution = improvement.run();
-    if (solution.al.status == Status::converged && setup.needs_tolerance &&
-        surface_distance(problem, solution.x) > setup.surface_tolerance)
+    if (!distance) distance = surface_distance(problem, solution.x);
+    if (solution.al.status == Status::converged && setup.needs_tolerance && *distance > setup.surface_tolerance)
         solution.al.status = Status::off_surface;
     count_infeasible(setup, problem, solution);
-    const double distance = improvement.distance ? *improvement.distance : surface_distance(problem, solution.x);
-    print_surface(out, setup, problem, solution.x, distance, improvement.sizes_text);
+    print_surface(out, setup, problem, solution.x, *distance, improvement.sizes_text);
     return solution;
 }
 

@@ -20,6 +20,7 @@ namespace {
 
 constexpr double usual_change = 0.2;  // of sizes that are meant
 constexpr double flat_simplex = 0.2;  // part of the size of a regular one with its longest edge
+constexpr double as_bad = 0.02;  // more than the least
 constexpr int attempts = 20;
 
 double area(const Mesh& mesh, const std::vector<double>& x, int f) {
@@ -48,7 +49,7 @@ ImprovementGuard::ImprovementGuard(const ProblemOptions& options, const Problem&
       least_(std::numeric_limits<double>::infinity()) {
     const std::vector<double> values = guarded(x, certify(mesh_, x).certified_bound);
     for (int e = 0; e < mesh_.element_count(); ++e)
-        if (is_feasible(e)) least_ = std::min(least_, values[e]);
+        if (problem_.is_feasible(e)) least_ = std::min(least_, values[e]);
     if (x != mesh_.x) most_off_ = std::max(most_off_, surface_distance(problem, x));
     find_layers();
     for (int e = 0; e < mesh_.element_count(); ++e) {
@@ -62,8 +63,6 @@ ImprovementGuard::ImprovementGuard(const ProblemOptions& options, const Problem&
     size_change_ = options.size_change.value_or(has_layers ? usual_change : 0);
     if (size_change_ == 0) has_layers_.assign(has_layers_.size(), 0);
 }
-
-bool ImprovementGuard::is_feasible(int e) const { return problem_.infeasible.empty() || problem_.infeasible[e].empty(); }
 
 std::vector<double> ImprovementGuard::guarded(const std::vector<double>& x, const std::vector<double>& bound) const {
     const bool corners = options_.guard == Guard::scaled_jacobian ||
@@ -129,7 +128,7 @@ bool ImprovementGuard::take(const std::vector<double>& from, std::vector<double>
         };
         for (int e = 0; e < mesh_.element_count(); ++e) {
             const bool is_resized = size_change_ > 0 && !(std::abs(std::log(size[e] / size_[e])) <= most);
-            if (is_feasible(e) && (bound[e] <= 0 || value[e] < least_ || is_resized))
+            if (problem_.is_feasible(e) && (bound[e] <= 0 || value[e] < least_ || is_resized))
                 put_back(mesh_.element(e), mesh_.element_nodes(e));
         }
         for (std::size_t k = 0; k < off.size(); ++k)
@@ -155,7 +154,7 @@ std::string ImprovementGuard::sizes_text(const std::vector<double>& x) const {
     const std::string why = options_.size_change ? "size_change" : layers.empty() ? "no layers of flat cells"
                                                                                   : "layers of flat cells at " + layers;
     return concat("sizes changed by up to ", factor_text(largest_factor(size_, element_sizes(mesh_, x))),
-                  ", heights at the boundary by ", factor_text(largest_factor(height_, heights(x))), " (",
+                  ", heights of cells at the boundary by ", factor_text(largest_factor(height_, heights(x))), " (",
                   size_change_ > 0 ? "kept within " + factor_text(1 + size_change_) : "free", ": ", why, ")");
 }
 
@@ -169,7 +168,7 @@ std::string ImprovementGuard::least_text(const std::vector<double>& from, const 
     double least_before = std::numeric_limits<double>::infinity();
     int least = -1, held = -1;
     for (int e = 0; e < mesh_.element_count(); ++e) {
-        if (!is_feasible(e)) continue;
+        if (!problem_.is_feasible(e)) continue;
         int& of_kind = moving_nodes(e) > 0 ? least : held;
         if (of_kind < 0 || s[e] < s[of_kind]) of_kind = e;
         if (moving_nodes(e) > 0) least_before = std::min(least_before, before[e]);
@@ -180,14 +179,15 @@ std::string ImprovementGuard::least_text(const std::vector<double>& from, const 
     };
     std::string text;
     if (least >= 0) {
-        const int vertices = mesh_.cell(least).vertices, others = beside(least, s, moves);
-        text = concat("least scaled Jacobian raised from ", rounded_down(least_before, 4), " to ",
-                      rounded_down(s[least], 4), " in ", counted(steps, "step"), "; ", element(least), " has it: ");
-        if (const int count = vertices - moving_nodes(least); count > 0)
-            text += concat(count, " of its ", vertices, " nodes are held", places_of(least, moves), ", ");
-        text += others > 0 ? concat("moving ", moving_nodes(least) < vertices ? "the others" : "its nodes",
-                                    " would make ", counted(others, "element"), " beside it worse")
-                           : "moving its nodes does not help";
+        const std::string was = rounded_down(least_before, 4), is = rounded_down(s[least], 4);
+        const int count = mesh_.cell(least).vertices - moving_nodes(least), others = beside(least, s, moves);
+        text = concat("least scaled Jacobian ", was == is ? "not raised from " : "raised from ", was,
+                      was == is ? "" : " to " + is, " in ", counted(steps, "step"), "; ", element(least), " has it");
+        if (count > 0)
+            text += concat(", ", count, " of its nodes ", count == 1 ? "is" : "are", " held", places_of(least, moves));
+        if (others > 0)
+            text += concat(", ", counted(others, "element"), " at its nodes ", others == 1 ? "is" : "are", " within ",
+                           as_bad, " of it");
     }
     if (held >= 0 && (least < 0 || s[held] < s[least]))
         text += concat(text.empty() ? "" : "; ", rounded_down(s[held], 4), " in ", element(held),
@@ -208,9 +208,8 @@ std::string ImprovementGuard::places_of(int e, const std::vector<char>& moves) c
     return text;
 }
 
-// Elements that are nearly as bad, at nodes of this one that move.
+// Elements that are as bad but for a little, at nodes of this one that move.
 int ImprovementGuard::beside(int e, const std::vector<double>& s, const std::vector<char>& moves) const {
-    constexpr double as_bad = 0.02;
     std::vector<char> near(mesh_.nodes(), 0);
     for (int k = 0; k < mesh_.cell(e).vertices; ++k) near[mesh_.element(e)[k]] = moves[mesh_.element(e)[k]];
     int count = 0;

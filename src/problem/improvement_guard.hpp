@@ -43,7 +43,6 @@ private:
     std::vector<char> is_flat_;          // per element: a flat triangle or tetrahedron
     double size_change_ = 0, most_off_ = options_.surface_tolerance, least_;
 
-    bool is_feasible(int e) const;
     std::string places_of(int e, const std::vector<char>& moves) const;
     int beside(int e, const std::vector<double>& s, const std::vector<char>& moves) const;
     std::vector<double> guarded(const std::vector<double>& x, const std::vector<double>& bound) const;

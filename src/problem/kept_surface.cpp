@@ -15,8 +15,7 @@ namespace {
 // Per boundary: whether it stays where the file has it, but for nodes that slide.
 std::vector<char> kept_boundaries(const Problem& problem) {
     std::vector<char> kept;
-    for (const Motion& motion : problem.motions)
-        kept.push_back(is_fixed(motion) || motion == motion_of(NodeKind::slides));
+    for (const Motion& motion : problem.motions) kept.push_back(stays_on_surface(motion));
     return kept;
 }
 
@@ -127,9 +126,13 @@ double surface_distance(const Problem& problem, const std::vector<double>& x) {
 
 void print_surface(std::FILE* out, const ProblemOptions& options, const Problem& problem,
                    const std::vector<double>& x, double distance, const std::string& more) {
-    print(out, "distance of the boundary from that of the file: ", to_text(distance, 2), " of an edge, ",
-          distance > options.surface_tolerance ? "NOT " : "", "within surface_tolerance = ",
-          to_text(options.surface_tolerance, 6), "; ", volume_changes(problem.mesh(), x), more.empty() ? "" : "; ", more,
+    const std::vector<char> kept = kept_boundaries(problem);
+    if (const auto count = std::count(kept.begin(), kept.end(), 1); count > 0)
+        print(out, "distance of the boundary ", count < std::ssize(kept) ? "that stays " : "",
+              "from that of the file: ",
+              to_text(distance, 2), " of an edge, ", distance > options.surface_tolerance ? "NOT " : "",
+              "within surface_tolerance = ", to_text(options.surface_tolerance, 6), "; ");
+    print(out, volume_changes(problem.mesh(), x), more.empty() ? "" : "; ", more,
           "\n");
 }
 

@@ -45,6 +45,7 @@ struct Problem {
     const Mesh& shape() const { return raised ? *raised : base; }
     std::vector<double> ideal_of(const Mesh& mesh) const { return is_own_ideal ? mesh.x : straight_sided(mesh); }
     const Mesh& mesh() const { return level->mesh; }
+    bool is_feasible(int e) const { return infeasible.empty() || infeasible[e].empty(); }
     const std::vector<double>& ideal() const { return level->ideal; }
 };
 

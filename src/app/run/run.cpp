@@ -88,8 +88,8 @@ ExitCode run(const Deck& deck, std::FILE* out, const RunHooks& hooks) {
     // 2. The solution.
     const CatchInterrupts catching;
     WrittenMeshSoFar so_far(deck, problem, hooks.seconds_between_meshes, hooks.stepped, out);
-    const bool shows_rows = !is_improved(deck.ideal) || deck.needs_objective;
-    IterationTable report(out, {problem.mesh().dim, problem.frame.length}, problem.run_id, shows_rows);
+    IterationTable report(out, {problem.mesh().dim, problem.frame.length}, problem.run_id,
+                          deck.needs_objective || !may_stay(deck, problem.motions));
     const auto observe = [&](const Problem& of, MeshSoFar* kept) { return observer_of(deck, of, report, out, kept); };
     const auto add_part = [&](const Stage& part) { report.add(part); };
     Solution solution = solve_as_needed(deck, problem, {observe, add_part}, so_far, out);
