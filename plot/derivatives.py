@@ -38,7 +38,7 @@ def run(deck, settings, a):
     """The nodes of the final mesh, one list of coordinates, and those of the tangent."""
     folder = "outputs/derivatives/run"
     command = ["./almesh", "tangent", f"{deck}.deck", *settings, f"let a={a!r}", f"output={folder}", "vtk=none",
-               "final=msh22"]
+               "final=msh"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode not in (0, 5):  # 5: what the deck expects is of its own motion
         sys.exit(f"{' '.join(command)} ended with exit code {done.returncode}: {done.stderr}")

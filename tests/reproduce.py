@@ -66,7 +66,7 @@ class Run:
 
     def __init__(self, command, deck, outputs, threads):
         self.folder = Path(outputs) / deck.replace("/", "-")
-        settings = [f"output={self.folder}", "vtk=none", "final=msh22"] + ([f"threads={threads}"] if threads else [])
+        settings = [f"output={self.folder}", "vtk=none", "final=msh"] + ([f"threads={threads}"] if threads else [])
         if deck in FOLLOWS:
             leader, setting = FOLLOWS[deck]
             settings.append(setting.format(Path(outputs) / leader.replace("/", "-")))

@@ -200,7 +200,7 @@ def curved(path, degree, rnd, scatter, share):
     """The mesh raised to this degree, this share of its nodes inside scattered."""
     out = path.parent / "raised"
     deck = path.parent / "raise.deck"
-    deck.write_text(f"mesh = {path.name}\nboundary rest = fixed\ndegree = {degree}\nfinal = msh22\nvtk = none\n"
+    deck.write_text(f"mesh = {path.name}\nboundary rest = fixed\ndegree = {degree}\nfinal = msh\nvtk = none\n"
                     f"output = {out}\nideal = given\n")
     subprocess.run([ALMESH, deck], capture_output=True, check=True)
     lines = (out / "final.msh").read_text().split("\n")

@@ -44,8 +44,7 @@ struct Sweep {
 
 enum class Velocity { no, nodes, faces };
 enum class VtkOutput { ascii, binary, none };
-// As written in the deck; those of one version of MSH stand from msh22 on.
-enum class FinalFormat { input, msh, su2, both, msh22, msh22_binary, msh41, msh41_binary };
+enum class FinalFormat { input, msh, su2, both };
 
 struct Deck : ProblemSetup {
     // The other keys with their defaults.

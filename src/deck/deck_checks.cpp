@@ -35,16 +35,11 @@ void check_improve(const Deck& deck) {
 }  // namespace
 
 std::vector<FileFormat> final_formats(FinalFormat wanted, const Mesh& mesh) {
-    const FileFormat su2 = {".su2"};
-    const FileFormat input = mesh.file.can_be_patched() ? mesh.file.format : written_anew(mesh.file.format);
-    const FileFormat msh = input.ending == ".msh" ? input : FileFormat();
-    if (wanted == FinalFormat::input) return {input};
+    const FileFormat msh, su2 = {".su2"};
     if (wanted == FinalFormat::msh) return {msh};
     if (wanted == FinalFormat::su2) return {su2};
     if (wanted == FinalFormat::both) return {msh, su2};
-    const int place = static_cast<int>(wanted) - static_cast<int>(FinalFormat::msh22);
-    constexpr int versions[] = {22, 41};
-    return {{".msh", versions[place / 2], place % 2 == 1}};
+    return {mesh.file.can_be_patched() ? mesh.file.format : written_anew(mesh.file.format)};
 }
 
 std::string su2_losses(const Deck& deck, const Mesh& mesh) {
@@ -59,12 +54,6 @@ std::string su2_losses(const Deck& deck, const Mesh& mesh) {
     if (unmarked == 0 || (format == mesh.file.format && mesh.file.can_be_patched())) return text;
     return concat(text, text.empty() ? "" : "; ", counted(unmarked, "face"), " of the boundary ",
                   unmarked == 1 ? "is" : "are", " in no marker of final.su2, as in no group of the mesh file");
-}
-
-// Before a run rather than after it.
-void check_final_ids(const Deck& deck, const Mesh& mesh) {
-    for (const FileFormat& format : final_formats(deck.final_format, mesh))
-        if (!mesh.file.can_be_patched() || format != mesh.file.format) check_ids_fit(mesh, format);
 }
 
 UsageError with_line(const Deck& deck, const SettingError& error) {

@@ -9,7 +9,6 @@ namespace almesh {
 // All throw UsageError with the line of the deck.
 void check_times(const Deck& deck);  // frames
 void check_keys(const Deck& deck);   // and all else that needs no mesh
-void check_final_ids(const Deck& deck, const Mesh& mesh);  // throws InputError
 
 std::string su2_losses(const Deck& deck, const Mesh& mesh);  // of final.su2: "" or a note
 // If the mesh is not to be written in the format of its file, it leaves the file. "" or a note of what it loses.

@@ -266,13 +266,9 @@ const std::vector<DeckKey>& deck_keys() {
          "iterates.vtk.series, which ParaView plays. Steps on coarser meshes are not counted. 0: never."},
         {"vtk", choice<&Deck::vtk>({"ascii", "binary", "none"}),
          "Format of the VTK files. ascii: text; binary: faster to write and read; none: no VTK files."},
-        {"final",
-         choice<&Deck::final_format>(
-             {"input", "msh", "su2", "both", "msh22", "msh22-binary", "msh41", "msh41-binary"},
-             "input | msh | su2 | both | msh22, msh41 [-binary]"),
+        {"final", choice<&Deck::final_format>({"input", "msh", "su2", "both"}),
          "Format of the final mesh. input: that of the mesh file, with nothing changed but the coordinates; with other "
-         "nodes (degree, refine, split) written anew, in MSH 2.2 or 4.1 or SU2; msh: MSH in the version of the mesh "
-         "file, or 2.2; su2: SU2; both: MSH and SU2; msh22, msh41-binary, ...: MSH in this version."},
+         "nodes (degree, refine, split) written anew, in MSH 2.2 or SU2; msh: MSH 2.2; su2: SU2; both: these two."},
         {"contact", text<&Deck::contact>("NAME, NAME [; NAME, NAME ...]"),
          "Boundaries that lie on each other, curved or faceted, and do not match, so that they overlap a little: the "
          "mesh is certified but for that, and the overlap is measured. One name: a boundary and itself. Faces that "

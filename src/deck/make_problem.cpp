@@ -201,7 +201,6 @@ Problem make_problem(const Deck& deck) try {
     note(problem, set_patched(deck, problem.level->mesh));
     note(problem, su2_losses(deck, problem.mesh()));
     if (problem.mesh().file.can_be_patched()) problem.mesh_text = std::move(mesh_text);
-    check_final_ids(deck, problem.mesh());
     problem.way = way_of(deck, problem);
     if (deck.start == Start::file && deck.frames.empty()) problem.standing = read_standing(deck, problem);
     complete(deck, problem);

@@ -116,7 +116,7 @@ inline RawMesh parse_mesh(std::string_view text, const std::string& path) {
 
 // Of a mesh that was read in a format and has other nodes now: the one to write it in.
 inline FileFormat written_anew(const FileFormat& format) {
-    return format.ending == ".su2" ? format : written_msh(format);
+    return format.ending == ".su2" ? format : FileFormat();
 }
 
 // Of the names of final meshes, which are not those of the VTK files of results.

@@ -1,5 +1,5 @@
-// Gmsh mesh files, MSH 2.2 and 4.1, ASCII and binary, and MSH 1 and 4.0, which are read only (Gmsh reference manual,
-// "MSH file format"): the cells of the table of cells, of Lagrange degree 1 to 7.
+// Gmsh mesh files, MSH 1 to 2.2, 4.0 and 4.1, ASCII and binary; 2.2 in ASCII is written (Gmsh reference manual, "MSH
+// file format"): the cells of the table of cells, of Lagrange degree 1 to 7.
 #pragma once
 #include <string>
 #include <string_view>
@@ -20,21 +20,12 @@ bool looks_like_msh(std::string_view text);
 // counts in it say.
 RawMesh parse_msh(std::string_view text, const std::string& path);
 
-// The mesh in a version and in text or bytes, with the ids, tags, names, entities and kept cells of the input and the
-// positions x (node_count x dim) in place of mesh.x; a 2D mesh at z = 0. Coordinates in text are the shortest decimals
-// that read back to the same bits (17 digits at most). In MSH 2.2 an element has the first of its physical tags. Throws
-// InputError where check_ids_fit() does. Without a format: in that of mesh.file, as far as it is written.
-std::string msh_text(const Mesh& mesh, const std::vector<double>& x, const FileFormat& format);
+// The mesh as MSH 2.2 in text, with the ids, tags, names and kept cells of the input and the positions x (node_count x
+// dim) in place of mesh.x; a 2D mesh in the plane of the file. Coordinates are the shortest decimals that read back to
+// the same bits (17 digits at most). An element of several physical groups stands there once for each.
 std::string msh_text(const Mesh& mesh, const std::vector<double>& x);
 
 // The same to a file. Throws InputError where it cannot be written.
-void write_msh(const std::string& path, const Mesh& mesh, const std::vector<double>& x, const FileFormat& format);
 void write_msh(const std::string& path, const Mesh& mesh, const std::vector<double>& x);
-
-// MSH in the version of a mesh that comes from a file of that format, or in the next one that is written: 2.2 or 4.1.
-FileFormat written_msh(const FileFormat& format);
-
-// Throws InputError where an id is beyond the int that binary files before MSH 4.1 have for it.
-void check_ids_fit(const Mesh& mesh, const FileFormat& format);
 
 }  // namespace almesh

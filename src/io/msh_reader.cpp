@@ -215,14 +215,12 @@ struct MshReader {
             const long long partitions = in.size("the number of partitions", 0, LLONG_MAX);
             for (long long k = 0; k < partitions; ++k) in.integer("a partition");
         }
-        const int coordinates = dim == 0 && in.version == 41 ? 3 : 6;
-        for (int k = 0; k < coordinates; ++k) entity.box[k] = in.real("a coordinate");
-        if (coordinates == 3) std::copy_n(entity.box.begin(), 3, entity.box.begin() + 3);
+        for (int k = 0; k < (dim == 0 && in.version == 41 ? 3 : 6); ++k) in.real("a coordinate");
         const long long groups = in.size("the number of physical tags", 0, LLONG_MAX);
         for (long long k = 0; k < groups; ++k) entity.physical.push_back(std::abs(in.integer("a physical tag")));
         if (dim > 0 && (in.binary || !in.at_line_end())) {
             const long long bounds = in.size("the number of bounding entities", 0, LLONG_MAX);
-            for (long long k = 0; k < bounds; ++k) entity.bounds.push_back(in.integer("a bounding entity"));
+            for (long long k = 0; k < bounds; ++k) in.integer("a bounding entity");
         }
         if (!in.binary) in.rest_of_line();
         return entity;

@@ -1,6 +1,5 @@
 // What a mesh file says besides the geometry, so that the result is written with the ids, tags and names of the input.
 #pragma once
-#include <array>
 #include <bit>
 #include <compare>
 #include <cstddef>
@@ -26,7 +25,7 @@ inline std::string group_name(const std::vector<PhysicalGroup>& groups, int dim,
     return "tag " + std::to_string(tag);
 }
 
-// How a mesh file is written. Of MSH, versions 2.2 and 4.1 are written where the mesh is not that of a file.
+// How a mesh file is written. Of MSH, 2.2 in text is written where the mesh is not that of a file.
 struct FileFormat {
     std::string_view ending = ".msh";  // of names of its files, which tells the format (io/mesh_format.hpp)
     int msh_version = 22;              // 10, 22, 40 or 41
@@ -60,8 +59,6 @@ struct EntityKey {
 struct FileEntity {
     EntityKey key;
     std::vector<int> physical{};  // tags of its physical groups
-    std::vector<int> bounds{};    // tags of the entities around it, negative where turned
-    std::array<double, 6> box{};  // least and greatest coordinates; of a point, its own twice
 };
 
 // Two sides that a file calls periodic, points of one being R x + t for those of the other, its master.

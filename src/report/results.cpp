@@ -123,7 +123,7 @@ std::string write_mesh(const Deck& deck, const Problem& problem, const Solution&
         if (format == mesh.file.format && mesh.file.can_be_patched())
             write_file(path, patched(problem.mesh_text, mesh.file.coordinates, positions));
         else if (format.ending == ".su2") write_su2(path, mesh, positions);
-        else write_msh(path, mesh, positions, format);
+        else write_msh(path, mesh, positions);
         if (first.empty()) first = path;
     }
     if (deck.vtk != VtkOutput::none)

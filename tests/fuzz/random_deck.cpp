@@ -111,7 +111,7 @@ const std::map<std::string, std::vector<std::string>> long_lists = {
     {"ideal", {"auto", "straight", "given", "regular", "size 0.3"}},
     {"start", {"auto", "identity", "coarse"}},
     {"final",
-     {"input", "msh", "su2", "both", "msh22", "msh22-binary", "msh41", "msh41-binary"}}};
+     {"input", "msh", "su2", "both"}}};
 
 const std::map<std::string, int> highest = {
     {"refine", 1}, {"max_al_iterations", 12}, {"max_newton_iterations", 20}, {"quadrature", 14}, {"power", 32}};

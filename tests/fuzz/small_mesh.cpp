@@ -3,6 +3,7 @@
 #include "fuzz/harness.hpp"
 #include "io/su2.hpp"
 #include "support/meshes.hpp"
+#include "support/msh_formats.hpp"
 
 namespace almesh::fuzz {
 namespace {
@@ -65,7 +66,8 @@ Mesh small_mesh(Choices& choose) {
 }
 
 std::string text_of_mesh(const Mesh& mesh) {
-    if (mesh.file.format.ending == ".msh") return msh_text(mesh, mesh.x);
+    const auto& [ending, version, binary] = mesh.file.format;
+    if (ending == ".msh") return test::msh_text(mesh, mesh.x, {ending, version < 40 ? 22 : 41, binary});
     const std::string path = work_folder().path("undamaged.su2");
     write_su2(path, mesh, mesh.x);
     return test::text_of(path);

@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "mesh/inner_boundary.hpp"
 #include "support/meshes.hpp"
+#include "support/msh_formats.hpp"
 #include "support/program.hpp"
 
 using namespace almesh;

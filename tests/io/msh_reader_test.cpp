@@ -33,17 +33,14 @@ TEST_CASE("MSH 2.2, 4.0 and 4.1 hold the same mesh") {
     CHECK(find_entity(mesh.entities, 2, 12) == nullptr);
 }
 
-TEST_CASE("MSH 4 files say what bounds an entity") {
+TEST_CASE("MSH 4 files list the entities with their groups") {
     CHECK(parse_msh(in_4_0, "a.msh").format == FileFormat{.msh_version = 40});
     for (const std::string& text : {in_4_0, in_4_1}) {
         const RawMesh mesh = parse_msh(text, "a.msh");
         check_is_the_triangle(mesh);
         REQUIRE(mesh.entities.size() == 4);
         CHECK(mesh.entities[0].key == EntityKey{0, 1});
-        CHECK(mesh.entities[0].box == std::array<double, 6>{});
         CHECK(mesh.entities[2].physical == std::vector<int>{4, 6});
-        CHECK(mesh.entities[2].bounds == std::vector<int>{1, -1});
-        CHECK(mesh.entities[2].box == std::array<double, 6>{0, 0, 0, 0, 1, 0});
     }
 }
 

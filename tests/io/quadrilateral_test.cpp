@@ -9,6 +9,7 @@
 #include "io/msh_samples.hpp"
 #include "mesh/build.hpp"
 #include "mesh/lagrange.hpp"
+#include "support/msh_formats.hpp"
 #include "support/program.hpp"
 
 using namespace almesh;
@@ -118,7 +119,7 @@ TEST_CASE("quadrilaterals, alone or beside triangles, are read as they are writt
                     check_same(raw, mesh);
                     const Mesh built = build_mesh(raw, notes);
                     CHECK(notes.empty());
-                    CHECK(msh_text(built, built.x) == text);
+                    if (raw.format == FileFormat()) CHECK(msh_text(built, built.x) == text);
                     CHECK(raw.elements.back().id == mesh.file.element_id.back());
                     CHECK(raw.elements.back().physical == 9);
                 }

@@ -11,6 +11,7 @@
 #include "io/vtk.hpp"
 #include "mesh/build.hpp"
 #include "support/meshes.hpp"
+#include "support/msh_formats.hpp"
 #include "support/program.hpp"
 #include "support/solids.hpp"
 
@@ -76,7 +77,7 @@ TEST_CASE("hexahedra, prisms, pyramids and tetrahedra are read as they are writt
                 CHECK(cells_of(raw, 3) == cells);
                 CHECK(cells_of(raw, 2) == faces);
                 const Mesh built = build_mesh(raw, notes);
-                CHECK(msh_text(built, built.x) == text);
+                if (raw.format == FileFormat()) CHECK(msh_text(built, built.x) == text);
                 CHECK(std::set(built.boundaries.begin(), built.boundaries.end()) == names);
             }
         const std::string text = su2_text(mesh);

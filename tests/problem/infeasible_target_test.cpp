@@ -9,6 +9,7 @@
 #include "check/certificate.hpp"
 #include "io/su2.hpp"
 #include "support/meshes.hpp"
+#include "support/msh_formats.hpp"
 #include "support/program.hpp"
 
 using namespace almesh;

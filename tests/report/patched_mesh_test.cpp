@@ -10,6 +10,7 @@
 #include "io/msh.hpp"
 #include "io/vtk.hpp"
 #include "problem/summary.hpp"
+#include "support/msh_formats.hpp"
 #include "support/ring_deck.hpp"
 
 using namespace almesh;

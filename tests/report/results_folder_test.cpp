@@ -122,9 +122,7 @@ TEST_CASE("all files of a run but the patched mesh carry its id, that of the sam
     CHECK(text_of(ring.folder.path("other") + "/final.msh") == text_of(ring.output + "/final.msh"));
     REQUIRE(ring.run().code == 0);
     CHECK(id_of() != id);
-    for (const char* format : {"msh22-binary", "msh41", "msh41-binary"}) {
-        REQUIRE(ring.run({concat("final=", format)}).code == 0);
-        CHECK(almesh_with({"info", ring.output + "/final.msh"}).code == 0);
-        CHECK(has(text_of(ring.output + "/final.msh"), "$Comments\nalmesh 0.1.0, run " + id_of() + "\n$EndComments\n"));
-    }
+    REQUIRE(ring.run({"degree=2"}).code == 0);
+    CHECK(almesh_with({"info", ring.output + "/final.msh"}).code == 0);
+    CHECK(has(text_of(ring.output + "/final.msh"), "$Comments\nalmesh 0.1.0, run " + id_of() + "\n$EndComments\n"));
 }
