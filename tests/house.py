@@ -30,7 +30,7 @@ TOPICS = {
     "a Newton step, up to the linear solve": (9, 1039, "method/newton.* method/functional.hpp method/line_search.* "
                                               "method/step_control.hpp method/stopping_tests.hpp "
                                               "method/local_elimination.hpp linalg/linear_solver.hpp"),
-    "energy, plain assembly": (10, 1006, "energy/distortion_energy.* energy/group_energy.* energy/plain_energy.* "
+    "energy, plain assembly": (10, 1006, "energy/distortion_energy.* energy/group_energy.* lessons/plain_energy.* "
                                "energy/densities.hpp energy/options.hpp "
                                "energy/element_rules.hpp base/small_matrix.hpp"),
     "prescribed positions": (5, 705, "constraint/constraint.hpp constraint/dirichlet.* constraint/trace_space.*"),

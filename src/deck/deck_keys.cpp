@@ -172,9 +172,6 @@ const std::vector<DeckKey>& deck_keys() {
          "alpha: the integral over an element e counts as |e|^alpha. 1: as in the paper; 0: all elements count alike; "
          "auto: 0 with objective = minimax, else 0.5 with algorithm = adaptive, so that small elements keep their "
          "shape, else 1."},
-        {"assembly", choice<&Deck::distortion, &Distortion::assembly>({"simd", "plain"}),
-         "Assembly of the energy and its derivatives. simd: one element per SIMD lane, on all threads; plain: as in a "
-         "textbook, for study, ten to fifty times slower."},
         {"method", choice<&Deck::method, &Method::moving>({"augmented_lagrangian", "penalty"}),
          "How the mesh is moved. penalty, there for comparison: without multipliers, the penalty grows tenfold after "
          "every minimisation."},

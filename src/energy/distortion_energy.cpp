@@ -6,7 +6,6 @@
 
 #include "energy/densities.hpp"
 #include "energy/mixed_energy.hpp"
-#include "energy/plain_energy.hpp"
 #include "energy/simd_energy.hpp"
 
 namespace almesh {
@@ -46,7 +45,6 @@ double DistortionEnergy::mean_slope(double energy) const {
 std::unique_ptr<DistortionEnergy> make_energy(const Mesh& mesh, const std::vector<double>& ideal,
                                               const DistortionParams& params) {
     if (mesh.groups.size() > 1) return std::make_unique<MixedEnergy>(mesh, ideal, params);
-    if (params.assembly == Assembly::plain) return std::make_unique<PlainEnergy>(mesh, ideal, params);
     return std::make_unique<SimdEnergy>(mesh, ideal, params);
 }
 

@@ -8,9 +8,9 @@
 // w_e = |e|^(alpha-1), scaled so that sum w_e |e| = |Omega|: alpha = 1 is the paper, smaller alpha protects small
 // elements.
 //
-// Elements of one type have an energy of their own (group_energy.hpp), with two implementations: plain_energy.hpp, the
-// textbook assembly, made to be read; simd_energy.hpp, the one that runs use, tested against it. That of a mesh with
-// several types is their sum (mixed_energy.hpp).
+// Elements of one type have an energy of their own (group_energy.hpp): simd_energy.hpp, or the textbook assembly of the
+// course, lessons/plain_energy.hpp, which it is tested against. That of a mesh with several types is their sum
+// (mixed_energy.hpp).
 //
 // Damping. If the Hessian is a poor model, steps are kept from inverting small elements by adding the Hessian of the
 // integral of eta^2 with weights w'_e |e| proportional to |e|^min(3/(2n), alpha): linear elasticity, stiffer where the

@@ -1,4 +1,4 @@
-// The energy of elements of one type: what plain and SIMD assembly have in common (plain_energy.hpp, simd_energy.hpp).
+// The energy of elements of one type: all but its assembly (simd_energy.hpp; in the course lessons/plain_energy.hpp).
 // Each element is integrated by the rule that element_rules.hpp has for it. Ideal elements that are no simplices have a
 // Jacobian A of their own at each point, like curved ones.
 #pragma once

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "energy/simd_energy.hpp"
 #include "mesh/part.hpp"
 
 namespace almesh {
@@ -12,7 +13,8 @@ namespace {
 constexpr double delta_of_infeasible = 0.5;  // of elements that need not be valid
 
 std::unique_ptr<GroupEnergy> energy_of(const Mesh& mesh, const std::vector<int>& elements,
-                                       const std::vector<double>& ideal, DistortionParams params, bool is_infeasible) {
+                                       const std::vector<double>& ideal, DistortionParams params, bool is_infeasible,
+                                       MixedEnergy::MakeGroup* make) {
     std::vector<double> regular;
     const std::size_t stride = params.regular.size() / mesh.element_count();
     for (const int e : elements)
@@ -23,8 +25,8 @@ std::unique_ptr<GroupEnergy> energy_of(const Mesh& mesh, const std::vector<int>&
         params.delta = delta_of_infeasible;
         params.power = {};
     }
-    auto energy = make_energy(of_one_type(mesh, elements), ideal, params);
-    return std::unique_ptr<GroupEnergy>(static_cast<GroupEnergy*>(energy.release()));
+    const Mesh group = of_one_type(mesh, elements);
+    return make ? make(group, ideal, params) : std::make_unique<SimdEnergy>(group, ideal, params);
 }
 
 }  // namespace
@@ -32,7 +34,7 @@ std::unique_ptr<GroupEnergy> energy_of(const Mesh& mesh, const std::vector<int>&
 // With the weights w_e = u_g |e|^(alpha - 1) of each group g, for which sum w_e |e| is its volume, the same unit u for
 // all groups is |Omega| over the sum of (volume of g) / u_g.
 MixedEnergy::MixedEnergy(const Mesh& mesh, const std::vector<double>& ideal, const DistortionParams& params,
-                         const std::vector<char>& infeasible)
+                         const std::vector<char>& infeasible, MakeGroup* make)
     : DistortionEnergy(params, mesh.dim) {
     std::array<double, 2> sum{};
     for (const ElementGroup& cells : mesh.element_groups())
@@ -42,7 +44,7 @@ MixedEnergy::MixedEnergy(const Mesh& mesh, const std::vector<double>& ideal, con
                 return is_infeasible != (!infeasible.empty() && infeasible[e]);
             });
             if (elements.empty()) continue;
-            auto energy = energy_of(mesh, elements, ideal, params, is_infeasible);
+            auto energy = energy_of(mesh, elements, ideal, params, is_infeasible, make);
             volume_ += energy->domain_volume();
             for (int k = 0; k < 2; ++k) sum[k] += energy->domain_volume() / energy->weight_units()[k];
             groups_.push_back({std::move(energy), is_infeasible, std::move(elements)});

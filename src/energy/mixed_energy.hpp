@@ -13,9 +13,10 @@ namespace almesh {
 
 class MixedEnergy : public DistortionEnergy {
 public:
-    // infeasible: per element; empty: none.
+    // infeasible: per element; empty: none. make: the energies of its groups; null: SimdEnergy.
+    using MakeGroup = std::unique_ptr<GroupEnergy>(const Mesh&, const std::vector<double>&, const DistortionParams&);
     MixedEnergy(const Mesh& mesh, const std::vector<double>& ideal, const DistortionParams& params,
-                const std::vector<char>& infeasible = {});
+                const std::vector<char>& infeasible = {}, MakeGroup* make = nullptr);
 
     double energy(const std::vector<double>& x) override;
     void add_gradient(const std::vector<double>& x, std::vector<double>& g) override;

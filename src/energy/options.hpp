@@ -18,14 +18,11 @@ struct PowerParams {
     double M = 1, kappa = 0;
 };
 
-enum class Assembly { simd, plain };
-
 struct DistortionParams {
     Objective objective = Objective::deviation;
     double delta = 0;            // Eq. 3
     double weight_exponent = 1;  // alpha
     int exactness = 0;           // of the quadrature for p > 1; 0: default_exactness(degree)
-    Assembly assembly = Assembly::simd;
     PowerParams power = {};
     bool curved_ideal = false;  // A varies over the ideal element
     // Per element the volume of its ideal element, which then is the regular cell of its type, not the element of the

@@ -11,10 +11,10 @@
 #include <filesystem>
 #include <string>
 
-#include "energy/plain_energy.hpp"
 #include "io/vtk.hpp"
 #include "lessons/eta_squared.hpp"
 #include "lessons/matrix_market.hpp"
+#include "lessons/plain_energy.hpp"
 #include "lessons/square.hpp"
 
 using namespace almesh;

@@ -15,9 +15,9 @@
 #include <set>
 #include <string>
 
-#include "energy/plain_energy.hpp"
 #include "io/vtk.hpp"
 #include "lessons/dense.hpp"
+#include "lessons/plain_energy.hpp"
 #include "lessons/square.hpp"
 #include "linalg/dense_solve.hpp"
 

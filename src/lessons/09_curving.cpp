@@ -10,8 +10,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "energy/plain_energy.hpp"
 #include "geometry/element_jacobian.hpp"
+#include "lessons/plain_energy.hpp"
 #include "mesh/lagrange.hpp"
 #include "mesh/quadrature.hpp"
 

@@ -55,7 +55,7 @@ double energy(const MovedCircle& problem, const std::vector<double>& x, Density 
     return sum;
 }
 
-// d2f/dF_ij dF_kl: entry (2 i + j, 2 k + l). See plain_energy.cpp.
+// d2f/dF_ij dF_kl: entry (2 i + j, 2 k + l). See plain_energy.hpp.
 template <class Density>
 std::array<double, 16> second_derivative(const Mat<2>& F, Density density) {
     const Mat<2> C = cofactor(F);

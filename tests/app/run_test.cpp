@@ -91,24 +91,6 @@ TEST_CASE("all linear solvers give the same positions") {
     CHECK(number(summary_of(ring.output), "linear_iterations") > 0);
 }
 
-TEST_CASE("plain assembly takes the same iterations to the same positions") {
-    for (const char* mesh_degree : {"degree=1", "degree=2"})
-        for (const char* objective : {"objective=squared", "objective=deviation", "objective=size_shape"}) {
-            CAPTURE(mesh_degree);
-            CAPTURE(objective);
-            const RingDeck ring(ring_mesh(10, 3, 6));
-            REQUIRE(ring.run({mesh_degree, objective, "refine=1"}).code == 0);
-            const auto expected = summary_of(ring.output);
-            const std::vector<double> x = final_positions(ring);
-            REQUIRE(ring.run({mesh_degree, objective, "refine=1", "assembly=plain"}).code == 0);
-            CHECK(has(text_of(ring.output + "/deck.txt"), "\nassembly = plain"));
-            const auto summary = summary_of(ring.output);
-            for (const char* count : {"al_iterations", "newton_iterations", "coarse_newton_iterations", "local_steps"})
-                CHECK(summary.at(count) == expected.at(count));
-            CHECK(largest_difference(x, final_positions(ring)) < 1e-9);
-        }
-}
-
 TEST_CASE("objective = size_shape keeps the sizes of elements too, from a deck") {
     const RingDeck ring(ring_mesh(12, 3, 6), "threads = 1\nobjective = size_shape\n");
     // Largest factor by which an element has grown or shrunk.

@@ -44,7 +44,7 @@ void check_certified(const Block& block, const std::vector<std::string>& setting
 TEST_CASE("a block of all solid cells is turned with every objective, method, degree and refinement") {
     const Block block;
     const std::vector<std::vector<std::string>> all = {
-        {}, {"objective=squared"}, {"objective=size_shape"}, {"objective=minimax"}, {"assembly=plain"},
+        {}, {"objective=squared"}, {"objective=size_shape"}, {"objective=minimax"},
         {"algorithm=adaptive"}, {"continuation=always"}, {"refine=1"}, {"degree=2"}, {"degree=2", "start=identity"},
         {"degree=2", "refine=1", "threads=3"}, {"degree=3"}, {"weight_exponent=0.3"}};
     for (const std::vector<std::string>& settings : all) check_certified(block, settings);

@@ -8,7 +8,7 @@
 #include "bench/newton_system.hpp"
 #include "bench/timing.hpp"
 #include "check/certificate.hpp"
-#include "energy/plain_energy.hpp"
+#include "lessons/plain_energy.hpp"
 #include "linalg/direct/cholesky.hpp"
 #include "linalg/krylov/krylov.hpp"
 #include "linalg/krylov/deflated.hpp"

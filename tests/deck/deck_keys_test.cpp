@@ -73,19 +73,16 @@ TEST_CASE("choices, by their words only") {
     set_value(deck, *find_row(deck_keys(), "objective"), "squared");
     set_value(deck, *find_row(deck_keys(), "algorithm"), "literal");
     set_value(deck, *find_row(deck_keys(), "solver"), "gmres");
-    set_value(deck, *find_row(deck_keys(), "assembly"), "plain");
     CHECK(deck.target == TargetKind::nodal);
     CHECK(deck.distortion.objective == Objective::squared);
     CHECK(deck.method.algorithm == Algorithm::literal);
     CHECK(deck.linear.kind == SolverKind::gmres);
-    CHECK(deck.distortion.assembly == Assembly::plain);
     set_value(deck, *find_row(deck_keys(), "objective"), "size_shape");
     CHECK(deck.distortion.objective == Objective::size_shape);
     for (const char* word : {"auto", "cg", "gmres", "cholesky"}) CHECK(result_of("solver", word) == word);
     for (const char* word : {"auto", "fixed"}) CHECK(result_of("forcing", word) == word);
     for (const char* word : {"adaptive", "paper", "literal"}) CHECK(result_of("algorithm", word) == word);
     for (const char* word : {"squared", "deviation", "size_shape"}) CHECK(result_of("objective", word) == word);
-    for (const char* word : {"simd", "plain"}) CHECK(result_of("assembly", word) == word);
     CHECK(result_of("target", "Nodal") == "target = Nodal: expected nodal | least_squares: did you mean `nodal`?");
     CHECK(has(result_of("solver", ""), "expected auto | cg | gmres | cholesky"));
 }

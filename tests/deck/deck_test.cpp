@@ -222,7 +222,6 @@ TEST_CASE("the resolved deck is the same deck") {
     const std::vector<std::string> samples = {
         "",
         "degree = 7\nrefine = 1\ntarget = nodal\nobjective = squared\ndelta = 1e-3\nweight_exponent = 0.5\n"
-        "assembly = plain\n"
         "algorithm = literal\nmu0 = 300\nomega0 = 0.30000000000000004\nepsilon0 = 1e-300\nomega_star = 1e-6\n"
         "epsilon_star = 1e-12\nlength_scale = 1\nmax_al_iterations = 9\nmax_newton_iterations = 99\nsolver = cholesky\n"
         "forcing = fixed\nquadrature = 5\niterates = 3\nmax_seconds = 1.5\n"

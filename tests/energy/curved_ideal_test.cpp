@@ -29,8 +29,9 @@ std::vector<Case> cases() {
 }
 
 std::unique_ptr<DistortionEnergy> energy_on(const Case& c, Assembly assembly, Objective objective, double alpha = 1) {
-    return make_energy(c.mesh, c.ideal,
-                       {.objective = objective, .weight_exponent = alpha, .assembly = assembly, .curved_ideal = true});
+    AssembledParams params = with(objective, assembly, alpha);
+    params.curved_ideal = true;
+    return make_energy(c.mesh, c.ideal, params);
 }
 
 double largest(const std::vector<double>& values) {

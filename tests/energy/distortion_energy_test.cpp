@@ -105,9 +105,9 @@ TEST_CASE("the energy is infinite as soon as one element is inverted or flat") {
 TEST_CASE("a Hessian in another order of its rows has the same blocks, in both assemblies") {
     const Mesh mesh = raise_degree(cube_mesh(2), 2);
     const std::vector<double> ideal = straight_sided(mesh), x = wavy(ideal, 3, 0.01);
-    for (const Assembly assembly : {Assembly::simd, Assembly::plain}) {
-        const auto E = make_energy(mesh, ideal, {.assembly = assembly});
-        const auto ordered = make_energy(mesh, ideal, {.assembly = assembly});
+    for (const Assembly assembly : assemblies) {
+        const auto E = make_energy(mesh, ideal, AssembledParams{{}, assembly});
+        const auto ordered = make_energy(mesh, ideal, AssembledParams{{}, assembly});
         REQUIRE(std::isfinite(E->energy(x)));
         std::vector<int> reversed;
         for (int i = mesh.nodes(); i-- > 0;) reversed.push_back(i);

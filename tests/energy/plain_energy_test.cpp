@@ -1,6 +1,6 @@
 // What both assemblies of the energy promise, and that they agree where simd_energy_test.cpp does not look: all
 // objectives with regularisation and damping, parts of a mesh, statistics.
-#include "energy/plain_energy.hpp"
+#include "lessons/plain_energy.hpp"
 
 #include <doctest/doctest.h>
 
@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "energy/simd_energy.hpp"
+#include "support/assemblies.hpp"
 #include "support/meshes.hpp"
 
 using namespace almesh;
@@ -16,7 +17,6 @@ using namespace almesh::test;
 namespace {
 
 constexpr Objective objectives[] = {Objective::squared, Objective::deviation, Objective::size_shape};
-constexpr Assembly assemblies[] = {Assembly::simd, Assembly::plain};
 
 std::vector<Mesh> meshes() {
     return {square_mesh(3), raise_degree(square_mesh(2), 3), raise_degree(ring_mesh(7, 2, 3), 2), cube_mesh(2),
@@ -139,12 +139,6 @@ TEST_CASE("plain and SIMD assembly agree in volume, statistics, pattern, and in 
     }
 }
 
-TEST_CASE("make_energy makes the assembly that is asked for") {
-    const Mesh mesh = square_mesh(2);
-    CHECK(dynamic_cast<SimdEnergy*>(make_energy(mesh, mesh.x, {}).get()));
-    CHECK(dynamic_cast<PlainEnergy*>(make_energy(mesh, mesh.x, {.assembly = Assembly::plain}).get()));
-}
-
 TEST_CASE("a part has the energy, gradient and Hessian of the elements around the nodes that move") {
     for (const Mesh& mesh : meshes())
         for (const Objective objective : objectives) {
@@ -158,7 +152,7 @@ TEST_CASE("a part has the energy, gradient and Hessian of the elements around th
             for (std::size_t i = 0; i < v.size(); ++i)
                 if (moves[i / dim]) v[i] = std::cos(static_cast<double>(i));
             for (const Assembly assembly : assemblies) {
-                const auto whole = make_energy(mesh, ideal, {objective, 0, 0.5, 0, assembly});
+                const auto whole = make_energy(mesh, ideal, AssembledParams{{objective, 0, 0.5, 0}, assembly});
                 Restriction around;
                 const auto part = whole->part(x, moves, around);
                 const std::vector<int>& node = around.node;
@@ -194,7 +188,7 @@ TEST_CASE("the parts of both assemblies are the same energy") {
             Restriction around[2];
             std::unique_ptr<DistortionEnergy> part[2];
             for (int k = 0; k < 2; ++k)
-                part[k] = make_energy(mesh, ideal, {Objective::deviation, delta, 0.5, 0, assemblies[k]})
+                part[k] = make_energy(mesh, ideal, AssembledParams{{Objective::deviation, delta, 0.5}, assemblies[k]})
                               ->part(x, moves, around[k]);
             CHECK(part[0]->domain_volume() == doctest::Approx(part[1]->domain_volume()).epsilon(1e-13));
             const std::vector<double> x0 = on_part(x, around[0].node, mesh.dim),
@@ -217,8 +211,8 @@ TEST_CASE("of all similarities of the mesh size_shape has energy zero for rotati
     for (const Mesh& mesh : meshes())
         for (const Assembly assembly : assemblies) {
             const std::vector<double> ideal = straight_sided(mesh);
-            const auto size_shape = make_energy(mesh, ideal, {Objective::size_shape, 0, 1, 0, assembly});
-            const auto deviation = make_energy(mesh, ideal, {Objective::deviation, 0, 1, 0, assembly});
+            const auto size_shape = make_energy(mesh, ideal, AssembledParams{{Objective::size_shape}, assembly});
+            const auto deviation = make_energy(mesh, ideal, AssembledParams{{Objective::deviation}, assembly});
             CHECK(size_shape->energy(turned(ideal, mesh.dim, 1)) < 1e-25);
             CHECK(largest(gradient(*size_shape, turned(ideal, mesh.dim, 1))) < 1e-13);
             for (double factor : {0.5, 0.9, 1.1, 2.0}) {
@@ -244,12 +238,12 @@ TEST_CASE("a mesh with the same distortion everywhere has the energy uniform(), 
             for (const Expected& expected : {Expected{Objective::squared, eta, eta},
                                              Expected{Objective::deviation, eta, eta - 1},
                                              Expected{Objective::size_shape, 1.25 * eta, 1.25 * eta - 1}}) {
-                const auto E = make_energy(mesh, mesh.x, {.objective = expected.objective, .assembly = assembly});
+                const auto E = make_energy(mesh, mesh.x, AssembledParams{{expected.objective}, assembly});
                 CHECK(E->energy(x) == doctest::Approx(E->uniform(expected.eta)).epsilon(1e-12));
                 CHECK(E->mean_slope(E->energy(x)) == doctest::Approx(expected.slope).epsilon(1e-12));
                 CHECK(E->mean_slope(-1e-15) == 0);  // rounding
             }
-            const auto squared = make_energy(mesh, mesh.x, {.objective = Objective::squared, .assembly = assembly});
+            const auto squared = make_energy(mesh, mesh.x, AssembledParams{{Objective::squared}, assembly});
             CHECK(squared->uniform(20) == doctest::Approx(400 * squared->domain_volume()).epsilon(1e-14));
         }
 }
@@ -323,7 +317,7 @@ TEST_CASE("a part hands its refinements back") {
     const Mesh mesh = raise_degree(square_mesh(3), 3);
     const std::vector<double> x = wavy(mesh.x, 2, 0.02);
     for (const Assembly assembly : assemblies) {
-        const auto whole = make_energy(mesh, straight_sided(mesh), {.assembly = assembly});
+        const auto whole = make_energy(mesh, straight_sided(mesh), AssembledParams{{}, assembly});
         Restriction around;
         const auto part = whole->part(x, some_nodes(mesh.nodes()), around);
         const std::vector<int>& node = around.node;

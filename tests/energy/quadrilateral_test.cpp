@@ -231,8 +231,8 @@ TEST_CASE("infeasible elements: they may invert, cut no step, and are in no norm
     std::vector<double> x = mesh.x;
     point(x, inside, 2)[0] += 0.7;
     for (const Assembly assembly : assemblies) {
-        const DistortionParams params = with(Objective::deviation, assembly);
-        MixedEnergy E(mesh, mesh.x, params, infeasible);
+        const AssembledParams params = with(Objective::deviation, assembly);
+        MixedEnergy E(mesh, mesh.x, params, infeasible, maker_of(assembly));
         CHECK(std::isinf(make_energy(mesh, mesh.x, params)->energy(x)));
         CHECK(std::isfinite(E.energy(x)));
         CHECK(E.valid_fraction(mesh.x, x) == 1);

@@ -18,14 +18,14 @@ std::vector<Mesh> all_meshes() {
     return meshes;
 }
 
-DistortionParams regular(const Mesh& mesh, Objective objective, Assembly assembly = Assembly::simd) {
-    DistortionParams params = with(objective, assembly);
+AssembledParams regular(const Mesh& mesh, Objective objective, Assembly assembly = Assembly::simd) {
+    AssembledParams params = with(objective, assembly);
     for (int e = 0; e < mesh.element_count(); ++e) params.regular.push_back(0.1 + 0.01 * e);
     return params;
 }
 
-DistortionParams mapped(const Mesh& mesh, Objective objective, Assembly assembly = Assembly::simd) {
-    DistortionParams params = with(objective, assembly);
+AssembledParams mapped(const Mesh& mesh, Objective objective, Assembly assembly = Assembly::simd) {
+    AssembledParams params = with(objective, assembly);
     for (int e = 0; e < mesh.element_count(); ++e)
         for (int k = 0; k < mesh.dim * mesh.dim; ++k)
             params.regular.push_back(k % (mesh.dim + 1) == 0 ? 1 + 0.1 * k : 0.3 * std::sin(e + k));
@@ -54,7 +54,7 @@ TEST_CASE("the regular cell of the right size, and no other, has no distortion")
             for (const Assembly assembly : assemblies) {
                 const Mesh mesh = regular_mesh(cell, degree, 0.3);
                 CAPTURE(cell.name);
-                DistortionParams params = with(Objective::size_shape, assembly);
+                AssembledParams params = with(Objective::size_shape, assembly);
                 params.regular = {0.3};
                 const auto E = make_energy(mesh, mesh.x, params);
                 CHECK(E->domain_volume() == doctest::Approx(0.3));
@@ -75,7 +75,7 @@ TEST_CASE("the regular cell mapped by the matrix of an element has no distortion
             for (const Assembly assembly : assemblies) {
                 Mesh mesh = regular_mesh(cell, degree, cell.volume());
                 CAPTURE(cell.name);
-                DistortionParams params = with(Objective::size_shape, assembly);
+                AssembledParams params = with(Objective::size_shape, assembly);
                 for (int i = 0; i < cell.dim; ++i)
                     for (int j = 0; j < cell.dim; ++j) params.regular.push_back(T[i][j]);
                 const std::vector<double> x = mesh.x;

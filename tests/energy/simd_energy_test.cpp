@@ -6,7 +6,7 @@
 #include <span>
 
 #include "base/error.hpp"
-#include "energy/plain_energy.hpp"
+#include "lessons/plain_energy.hpp"
 #include "support/meshes.hpp"
 
 using namespace almesh;

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "energy/plain_energy.hpp"
+#include "lessons/plain_energy.hpp"
 #include "support/random_matrices.hpp"
 
 using namespace almesh;

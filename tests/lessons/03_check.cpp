@@ -1,7 +1,7 @@
 #include "lessons/exercises/03.hpp"
 
-#include "energy/plain_energy.hpp"
 #include "lessons/exercise.hpp"
+#include "lessons/plain_energy.hpp"
 #include "lessons/square.hpp"
 #include "linalg/dense_solve.hpp"
 

@@ -1,9 +1,9 @@
 #include "lessons/exercises/04.hpp"
 
-#include "energy/plain_energy.hpp"
 #include "lessons/dense.hpp"
 #include "lessons/eta_squared.hpp"
 #include "lessons/exercise.hpp"
+#include "lessons/plain_energy.hpp"
 #include "lessons/square.hpp"
 #include "linalg/dense_solve.hpp"
 

@@ -107,7 +107,7 @@ TEST_CASE("plain and SIMD assembly take the same iterations to the same mesh") {
             for (const Algorithm algorithm : {Algorithm::adaptive, Algorithm::paper}) {
                 AlResult result[2];
                 std::vector<double> x[2];
-                for (const Assembly assembly : {Assembly::simd, Assembly::plain}) {
+                for (const Assembly assembly : assemblies) {
                     const Minimisation problem(mesh, mesh.dim == 2 ? ring : cube, objective, TargetKind::least_squares,
                                                assembly);
                     const int k = assembly == Assembly::plain;

@@ -6,15 +6,15 @@
 #include <vector>
 
 #include "energy/distortion_energy.hpp"
+#include "support/assemblies.hpp"
 
 namespace almesh::test {
 
-inline constexpr Assembly assemblies[] = {Assembly::simd, Assembly::plain};
 inline constexpr Objective all_objectives[] = {Objective::squared, Objective::deviation, Objective::size_shape,
                                     Objective::minimax};
 
-inline DistortionParams with(Objective objective, Assembly assembly = Assembly::simd, double alpha = 0.5) {
-    DistortionParams params{.objective = objective, .weight_exponent = alpha, .assembly = assembly};
+inline AssembledParams with(Objective objective, Assembly assembly = Assembly::simd, double alpha = 0.5) {
+    AssembledParams params{{.objective = objective, .weight_exponent = alpha}, assembly};
     if (objective == Objective::minimax) params.power = {.p = 6, .M = 0.8, .kappa = 0.1};
     return params;
 }

@@ -7,6 +7,7 @@
 #include "constraint/dirichlet.hpp"
 #include "method/levels.hpp"
 #include "method/functional.hpp"
+#include "support/assemblies.hpp"
 #include "support/targets.hpp"
 
 namespace almesh::test {
@@ -26,7 +27,7 @@ struct Minimisation {
           mesh(level.mesh),
           ideal(level.ideal),
           objective(wanted),
-          distortion(*(level.energy = make_energy(mesh, ideal, {.objective = wanted, .assembly = assembly}))),
+          distortion(*(level.energy = make_energy(mesh, ideal, AssembledParams{{wanted}, assembly}))),
           constraint(set_constraint(motions, kind)) {}
 
     // mu: in units of |1|^2; no multipliers.

@@ -10,8 +10,8 @@
 
 #include "constraint/trace_space.hpp"
 #include "energy/distortion_energy.hpp"
-#include "energy/plain_energy.hpp"
 #include "lessons/eta_squared.hpp"
+#include "lessons/plain_energy.hpp"
 #include "linalg/linear_solver.hpp"
 #include "method/line_search.hpp"
 #include "method/schedule.hpp"

@@ -1,4 +1,9 @@
-// The textbook assembly of the distortion energy (distortion_energy.hpp). At a quadrature point q of element e
+// The distortion energy, its gradient and its Hessian as a textbook would assemble them: one element after the other,
+// one quadrature point after the other, dense loops, the second derivative of eta written down from that of the
+// determinant, a general eigensolver for its projection, every block found in its row by bisection. Made to be read,
+// and the reference that energy/simd_energy.hpp is tested against; ten to fifty times slower. One thread.
+//
+// At a quadrature point q of element e
 //
 //     F = sum_i x_i (grad N_i)^T,   grad N_i = A^{-T} dN_i/dxi,   S = |F|^2,   D = det F,   C = dD/dF,   eta = S r(D)
 //
@@ -8,18 +13,17 @@
 //
 //     d2f   = f'' eta_F (x) eta_F + f' eta_FF
 //     eta_FF = 2 r I + 2 r' (F (x) C + C (x) F) + S (r'' C (x) C + r' d2D/dF2)
-#include "energy/plain_energy.hpp"
-
+#pragma once
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
 #include "energy/densities.hpp"
+#include "energy/group_energy.hpp"
 #include "linalg/dense_solve.hpp"
 
 namespace almesh {
-namespace {
 
 // d2D / dF_ij dF_kl = sum_mn e_ikm e_jln F_mn in 3D, e_ik e_jl in 2D, e the permutation symbol.
 template <int n>
@@ -66,9 +70,43 @@ struct ElementPoint {
     double w, damping_w, volume;  // weights in E, in the damping, and in an integral over the ideal mesh
 };
 
-}  // namespace
+// Multiplies the negative eigenvalues of a symmetric size x size matrix, row-major, by kept_negative; with 0 what is
+// left is its positive semidefinite part. Cyclic Jacobi rotations (Golub & Van Loan, Matrix Computations, sec. 8.5).
+inline void project(int size, double* A, double kept_negative = 0) {
+    std::vector<double> Q(offset(size, size));
+    diagonalise(size, A, Q.data());
+    std::vector<double> eigenvalue(size);
+    for (int i = 0; i < size; ++i) eigenvalue[i] = std::max(A[i * size + i], kept_negative * A[i * size + i]);
+    for (int i = 0; i < size; ++i)
+        for (int j = 0; j < size; ++j) {
+            A[i * size + j] = 0;
+            for (int k = 0; k < size; ++k) A[i * size + j] += eigenvalue[k] * Q[i * size + k] * Q[j * size + k];
+        }
+}
 
-PlainEnergy::PlainEnergy(const Mesh& mesh, const std::vector<double>& ideal, const DistortionParams& params)
+class PlainEnergy : public GroupEnergy {
+public:
+    PlainEnergy(const Mesh& mesh, const std::vector<double>& ideal, const DistortionParams& params);
+
+    double energy(const std::vector<double>& x) override;
+    void add_gradient(const std::vector<double>& x, std::vector<double>& g) override;
+    void add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H,
+                     const Projection& projection = {}) override;
+    DistortionStatistics statistics(const std::vector<double>& x) override;
+    using GroupEnergy::part;
+    std::unique_ptr<GroupEnergy> part(const std::vector<double>& x, const Restriction& around) const override;
+    void scale_weights(const std::array<double, 2>& factor) override;
+
+private:
+    PlainEnergy(const PlainEnergy& whole, const Restriction& around);
+
+    std::vector<IdealElement> ideal_;  // per element
+
+    template <class Body>
+    void every_point(const std::vector<double>& x, const Body& body) const;
+};
+
+inline PlainEnergy::PlainEnergy(const Mesh& mesh, const std::vector<double>& ideal, const DistortionParams& params)
     : GroupEnergy(params, mesh, ideal) {
     nodes_ = mesh.elements;
     pattern_ = pattern_of_cells(mesh.nodes(), dim_, nodes_, reference_.nodes);
@@ -87,7 +125,7 @@ PlainEnergy::PlainEnergy(const Mesh& mesh, const std::vector<double>& ideal, con
     normalise_weights({jacobians / weights, jacobians / damping_weights});
 }
 
-void PlainEnergy::scale_weights(const std::array<double, 2>& factor) {
+inline void PlainEnergy::scale_weights(const std::array<double, 2>& factor) {
     for (IdealElement& entry : ideal_) {
         entry.weight *= factor[0];
         entry.damping_weight *= factor[1];
@@ -134,7 +172,7 @@ void PlainEnergy::every_point(const std::vector<double>& x, const Body& body) co
     });
 }
 
-double PlainEnergy::energy(const std::vector<double>& x) {
+inline double PlainEnergy::energy(const std::vector<double>& x) {
     double sum = 0;
     with_density(params_, [&](auto density) {
         every_point(x, [&]<int n>(const ElementPoint<n>& at) {
@@ -144,7 +182,7 @@ double PlainEnergy::energy(const std::vector<double>& x) {
     return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
 }
 
-void PlainEnergy::add_gradient(const std::vector<double>& x, std::vector<double>& g) {
+inline void PlainEnergy::add_gradient(const std::vector<double>& x, std::vector<double>& g) {
     with_density(params_, [&](auto density) {
         every_point(x, [&]<int n>(const ElementPoint<n>& at) {
             const Mat<n> P = density_gradient<n>(at.F, params_.delta, density);
@@ -156,7 +194,7 @@ void PlainEnergy::add_gradient(const std::vector<double>& x, std::vector<double>
     });
 }
 
-void PlainEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H,
+inline void PlainEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H,
                               const Projection& projection) {
     const bool projected = kind == HessianKind::projected;
     const double t = projected ? projection.damping : kind == HessianKind::damping ? 1 : 0;
@@ -181,7 +219,7 @@ void PlainEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, Bl
     });
 }
 
-DistortionStatistics PlainEnergy::statistics(const std::vector<double>& x) {
+inline DistortionStatistics PlainEnergy::statistics(const std::vector<double>& x) {
     DistortionStatistics result;
     result.element_max.assign(element_count_, 0.0);
     double squared_norm = 0;  // |M phi|^2
@@ -195,7 +233,7 @@ DistortionStatistics PlainEnergy::statistics(const std::vector<double>& x) {
     return result;
 }
 
-PlainEnergy::PlainEnergy(const PlainEnergy& whole, const Restriction& around)
+inline PlainEnergy::PlainEnergy(const PlainEnergy& whole, const Restriction& around)
     : GroupEnergy(whole, around.element, around.node) {
     nodes_ = around.elements;
     pattern_ = pattern_of_cells(static_cast<int>(around.node.size()), dim_, nodes_, reference_.nodes);
@@ -205,20 +243,8 @@ PlainEnergy::PlainEnergy(const PlainEnergy& whole, const Restriction& around)
     }
 }
 
-std::unique_ptr<GroupEnergy> PlainEnergy::part(const std::vector<double>&, const Restriction& around) const {
+inline std::unique_ptr<GroupEnergy> PlainEnergy::part(const std::vector<double>&, const Restriction& around) const {
     return std::unique_ptr<PlainEnergy>(new PlainEnergy(*this, around));
-}
-
-void project(int size, double* A, double kept_negative) {
-    std::vector<double> Q(offset(size, size));
-    diagonalise(size, A, Q.data());
-    std::vector<double> eigenvalue(size);
-    for (int i = 0; i < size; ++i) eigenvalue[i] = std::max(A[i * size + i], kept_negative * A[i * size + i]);
-    for (int i = 0; i < size; ++i)
-        for (int j = 0; j < size; ++j) {
-            A[i * size + j] = 0;
-            for (int k = 0; k < size; ++k) A[i * size + j] += eigenvalue[k] * Q[i * size + k] * Q[j * size + k];
-        }
 }
 
 }  // namespace almesh
