@@ -21,10 +21,6 @@ SlidingSurfaces::SlidingSurfaces(const Mesh& base, const std::vector<double>& no
             faces_[b].part.resize(faces.face.size());
             for (auto& [surface, of, is_of_mesh] : surfaces_of(faces, feature_angle)) {
                 for (const int k : of) faces_[b].part[k] = parts();
-                points_.emplace_back();
-                if (is_of_mesh) points_.back().position = faces.points(of);
-                for (const Vec<3>& x : points_.back().position)
-                    points_.back().normal.push_back(surface->closest(x).normal);
                 surface_.push_back(std::move(surface));
                 boundary_.push_back(b);
             }
@@ -58,7 +54,7 @@ SlidingSurfaces::SlidingSurfaces(const Mesh& base, const std::vector<double>& no
 }
 
 SlidingSurfaces::SlidingSurfaces(const SlidingSurfaces& whole, const MeshPart& part, const Frame& frame)
-    : dim_(whole.dim_), place_(part.face_count(), -1), frame_(frame), basis_(whole.basis_), points_(whole.points_),
+    : dim_(whole.dim_), place_(part.face_count(), -1), frame_(frame), basis_(whole.basis_),
       surface_(whole.surface_), boundary_(whole.boundary_), faces_(part.boundaries.size()) {
     for (int f = 0; f < part.face_count(); ++f)
         if (part.face_of[f] >= 0) place_[f] = whole.place_[part.face_of[f]];
@@ -83,33 +79,6 @@ int SlidingSurfaces::part(const Mesh& mesh, int f) const {
         return between < surely_sharp || between > 180 - surely_sharp;
     }).patch;
     return faces.part[faces.other_face[nearest >= 0 ? nearest : faces.other->find(after).patch]];
-}
-
-void SlidingSurfaces::add_patch(int node, int part, const Vec<3>& x) {
-    constexpr int most_points[] = {10, 30};
-    constexpr double same_side = 0.3;  // cosine of the angle between normals
-    const Points& all = points_[part];
-    if (all.position.empty() || patch_.contains({node, part})) return;
-    const SurfacePoint centre = surface_[part]->closest(x);
-    std::vector<std::pair<double, int>> near;
-    for (int i = 0; i < static_cast<int>(all.position.size()); ++i)
-        if (dot(all.normal[i], centre.normal) > same_side)
-            near.emplace_back(length(all.position[i] - centre.position), i);
-    const auto count = std::min<std::size_t>(near.size(), most_points[dim_ - 2]);
-    std::partial_sort(near.begin(), near.begin() + count, near.end());
-    std::vector<Vec<3>> points;
-    for (std::size_t k = 0; k < count; ++k) points.push_back(all.position[near[k].second]);
-    auto patch = fit_height_patch(dim_, centre.position, centre.normal, points);
-    if (!patch) return;
-    patch_[{node, part}] = parts();
-    boundary_.push_back(boundary_[part]);
-    surface_.push_back(std::move(patch));
-    points_.emplace_back();
-}
-
-int SlidingSurfaces::part_or_patch(int node, int part) const {
-    const auto found = patch_.find({node, part});
-    return found == patch_.end() ? part : found->second;
 }
 
 SurfacePoint SlidingSurfaces::closest(int part, const Vec<3>& x) const {

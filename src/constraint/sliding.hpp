@@ -54,18 +54,7 @@ public:
 
     SurfacePoint closest(int part, const Vec<3>& x) const;
 
-    // If the part is the mesh's own faces, adds a smooth patch around the node's moved position x (in the file's frame)
-    // as a part of its own, along which the node slides instead.
-    void add_patch(int node, int part, const Vec<3>& x);
-
-    // The patch of the node, or the part itself.
-    int part_or_patch(int node, int part) const;
-
 private:
-    struct Points {
-        std::vector<Vec<3>> position, normal;
-    };
-
     // Of a boundary that slides.
     struct Faces {
         std::unique_ptr<ClosestPoint> before;    // their patches before the motion; null where there is no other mesh
@@ -81,8 +70,6 @@ private:
     std::vector<int> place_;  // per face of the base: its number within its boundary
     Frame frame_;
     LagrangeBasis basis_;                   // of the patches
-    std::vector<Points> points_;            // per part: of its nodes, where it is the mesh's own faces
-    std::map<std::array<int, 2>, int> patch_;  // node, part -> part
     std::vector<std::shared_ptr<const Surface>> surface_;
     std::vector<int> boundary_;  // per part
     std::vector<Faces> faces_;   // per boundary

@@ -133,14 +133,6 @@ Mat<3> second_derivative(const SlidingSurfaces& sliding, const std::vector<int>&
     return sum;
 }
 
-void smooth_freed(const Mesh& mesh, const BoundaryTarget& target, SlidingSurfaces& sliding) {
-    const std::vector<NodeKind> boundary = kinds_of_boundaries(mesh, target.written_kind);
-    for_face_nodes(mesh, [&](int f, std::size_t k) {
-        if (target.kind[k] != NodeKind::slides || !is_prescribed(boundary[mesh.face_boundary[f]])) return;
-        sliding.add_patch(mesh.faces[k], sliding.part(mesh, f), in_space(&target.node[k * mesh.dim], mesh.dim));
-    });
-}
-
 std::vector<std::vector<int>> sliding_parts(const Mesh& mesh, const BoundaryTarget& target,
                                             const SlidingSurfaces* sliding, const std::vector<int>& nodes,
                                             const std::vector<int>& faces, std::vector<double>& g,
@@ -154,12 +146,11 @@ std::vector<std::vector<int>> sliding_parts(const Mesh& mesh, const BoundaryTarg
         const int part = target.slides(mesh, f) ? sliding->part(mesh, f) : -1;
         const std::size_t start = mesh.face_start(f);
         for (std::size_t k = start; k < start + mesh.face_nodes(f); ++k) {
-            const int t = faces[k], node = mesh.faces[k];
+            const int t = faces[k];
             size[t] = std::max(size[t], longest);
             if (is_prescribed(target.kind[k])) prescribed[t] = 1;
             if (target.kind[k] != NodeKind::slides) continue;
-            const int along = sliding->part_or_patch(node, part);
-            if (std::find(parts[t].begin(), parts[t].end(), along) == parts[t].end()) parts[t].push_back(along);
+            if (std::find(parts[t].begin(), parts[t].end(), part) == parts[t].end()) parts[t].push_back(part);
         }
     }
     fixed.assign(nodes.size(), 0);

@@ -48,10 +48,6 @@ SurfaceDistance distance_to(const SlidingSurfaces& sliding, const std::vector<in
 Mat<3> second_derivative(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x,
                          const Vec<3>& force);
 
-// Adds smooth patches for the nodes that the target frees and that would slide along the mesh's own faces. target: in
-// the file's frame.
-void smooth_freed(const Mesh& mesh, const BoundaryTarget& target, SlidingSurfaces& sliding);
-
 // Per entry of `nodes` (numbers in the mesh), the parts along which the node slides: none if it is prescribed, free or
 // a corner. Nodes that the target frees slide. faces: face x face node, indices in `nodes`. g: positions of the nodes,
 // n x dim; on return nodes that slide along another mesh are on its surface. fixed: on return per node, whether its

@@ -45,13 +45,6 @@ std::unique_ptr<Surface> fit_surface(int dim, const std::vector<Vec<3>>& points,
 // points of it, but for x beyond its centres of curvature.
 std::unique_ptr<Surface> fit_quadric(int dim, const std::vector<Vec<3>>& points, double tolerance);
 
-// A smooth patch through `centre`, for a surface that is known by some of its points only, as a CAD surface is by its
-// mesh. The faces of the mesh meet at angles, which a node that slides a little must not feel. The patch is the graph
-// of a polynomial of degree up to 4 over the plane through `centre` with the given normal, zero at the centre, fitted
-// to the points around it by weighted least squares. Null if they are too few for degree 2 or lie on fewer lines.
-std::unique_ptr<Surface> fit_height_patch(int dim, const Vec<3>& centre, const Vec<3>& normal,
-                                          const std::vector<Vec<3>>& points);
-
 // The faces of a mesh, flat ones replaced by cubics through the same corners, with interpolated normals. These are
 // continuous where faces meet at an angle, and so is the closest-point projection: p is the point whose interpolated
 // normal points to x. node: per patch the numbers of its nodes, in the order of the basis.

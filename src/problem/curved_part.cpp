@@ -149,12 +149,8 @@ CurvedPartResult curve(const ProblemOptions& options, const CurvedPart& part, co
     problem.level->mesh.x = part.curved;
     problem.level->ideal = part.x;
     problem.target = part.fixed_at(part.curved);
-    if (!part.freed.empty()) {  // along smooth surfaces at the nodes of the file, wherever they have slid meanwhile
-        const Frame& frame = surfaces->frame();
-        const auto of_part = std::make_shared<SlidingSurfaces>(*surfaces, part, frame);
-        smooth_freed(part, part.fixed_at(frame.to_file(part.in_file, part.dim)), *of_part);
-        problem.sliding = of_part;
-    }
+    if (!part.freed.empty())
+        problem.sliding = std::make_shared<SlidingSurfaces>(*surfaces, part, surfaces->frame());
     set_functional(options, problem);
     const Level& level = *problem.level;
     CurvedPartResult result{part.start, {}, {}};

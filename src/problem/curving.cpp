@@ -97,16 +97,12 @@ public:
 
     // The target is where the boundary is, and what was freed is free to slide.
     void set_target() {
-        BoundaryTarget& target = problem_.target;
         std::vector<double> at = solution_.x;
         for (std::size_t k = 0; k < at.size(); ++k)
             if (freed_[k / mesh_.dim]) at[k] = mesh_.x[k];
         fix_boundary(problem_, at);
         if (count(freed_) == 0) return;
-        free_nodes(mesh_, freed_, target);
-        BoundaryTarget in_file = target;
-        in_file.node = problem_.frame.to_file(target.node, mesh_.dim);
-        smooth_freed(mesh_, in_file, *surfaces_);
+        free_nodes(mesh_, freed_, problem_.target);
         problem_.sliding = surfaces_;
     }
 

@@ -165,11 +165,10 @@ std::shared_ptr<SlidingSurfaces> surfaces_at(double fraction, const ProblemOptio
                                              other);
 }
 
-// From the file's frame to the run's, with smooth surfaces for the nodes that are freed to slide.
-void finish(const Mesh& mesh, const Frame& frame, SlidingSurfaces* sliding, BoundaryTarget& target) {
-    if (sliding) smooth_freed(mesh, target, *sliding);
-    frame.take_to_run(target.node, mesh.dim);
-    frame.take_to_run(target.sample, mesh.dim);
+// From the file's frame to the run's.
+void take_to_run(const Frame& frame, int dim, BoundaryTarget& target) {
+    frame.take_to_run(target.node, dim);
+    frame.take_to_run(target.sample, dim);
 }
 
 // One for each boundary; of a mesh that is improved, one for all.
@@ -310,7 +309,7 @@ void set_constraint(const ProblemOptions& options, const Problem& problem, const
             part.kind = of_whole;
             std::shared_ptr<SlidingSurfaces> sliding;  // of its own: another mesh's is where the motion ends
             if (problem.sliding) sliding = surfaces_at(fraction, options, problem, level.mesh, part, motions);
-            finish(level.mesh, frame, sliding.get(), part);
+            take_to_run(frame, dim, part);
             return make_constraint(level.mesh, level.ideal, part, kind, sliding);
         } catch (const InputError&) {  // the motions of two boundaries agree at their ends only
             return nullptr;
@@ -346,9 +345,8 @@ void move_target(const ProblemSetup& setup, Problem& problem) {
     pair_nodes(problem.periodic, problem.mesh(), problem.target);
     problem.node_target = problem.target.node;
     free_infeasible(setup, problem);
-    const std::shared_ptr<SlidingSurfaces> sliding = make_surfaces(setup, problem);
-    finish(problem.mesh(), problem.frame, sliding.get(), problem.target);
-    problem.sliding = sliding;
+    problem.sliding = make_surfaces(setup, problem);
+    take_to_run(problem.frame, problem.mesh().dim, problem.target);
 }
 
 Problem begin_problem(const ProblemSetup& setup, BaseMesh base, std::vector<std::string> notes) {
@@ -380,10 +378,9 @@ void complete(const ProblemSetup& setup, Problem& problem) {
     note_pairs(problem);
     problem.frame.origin = local_origin(problem.base);
     problem.frame.length = unit_of_length(setup, problem.name, volume(mesh, problem.ideal()), mesh.dim);
-    const std::shared_ptr<SlidingSurfaces> sliding = make_surfaces(setup, problem);
+    problem.sliding = make_surfaces(setup, problem);
     problem.file_x = mesh.x;
-    finish(mesh, problem.frame, sliding.get(), problem.target);
-    problem.sliding = sliding;
+    take_to_run(problem.frame, mesh.dim, problem.target);
     take_to_run(problem.frame, *problem.level);
 }
 
@@ -445,7 +442,7 @@ std::unique_ptr<Level> coarser_level(const ProblemOptions& options, const Proble
         // Its degree is too low for the shape.
         level->is_worth_little = level->mesh.degree > 1 && level->mesh.degree < problem.shape().degree;
     }
-    finish(level->mesh, problem.frame, nullptr, target);
+    take_to_run(problem.frame, level->mesh.dim, target);
     take_to_run(problem.frame, *level);
     set_functional(options, problem, target, placed, *level);
     return level;

@@ -141,27 +141,3 @@ TEST_CASE("nodes that a target releases slide along its surface, and meet there;
         CHECK(static_cast<bool>(fixed[t]) == !freed[nodes[t]]);
     }
 }
-
-TEST_CASE("nodes freed to slide along the mesh's own faces do so along smooth patches through them") {
-    Mesh mesh = ring_mesh(24, 2, 3);
-    for (int i = 0; i < mesh.nodes(); ++i) mesh.x[2 * i] *= 1.5;
-    mesh = raise_degree(mesh, 2);
-    BoundaryTarget target = target_of(mesh, {});
-    std::vector<char> freed(mesh.nodes(), 0);
-    const int inner_face = face_near(mesh, mesh.boundary_index("inner"), {1.5, 0, 0});
-    for (int i = 0; i < 3; ++i) freed[mesh.face(inner_face)[i]] = 1;
-    free_nodes(mesh, freed, target);
-    const auto sliding = surfaces_of(mesh, {"inner"});
-    REQUIRE(sliding->parts() == 1);
-    CHECK(sliding->surface(0).name() == "the mesh's own faces");
-    smooth_freed(mesh, target, *sliding);
-    CHECK(sliding->parts() == 4);
-    for (int i = 0; i < mesh.nodes(); ++i) {
-        const int along = sliding->part_or_patch(i, 0);
-        CHECK((along != 0) == static_cast<bool>(freed[i]));
-        if (along == 0) continue;
-        CHECK(sliding->surface(along).name() == "a smooth patch");
-        const Vec<3> x = in_space(point(mesh.x, i, 2), 2);
-        CHECK(length(sliding->closest(along, x).position - x) < 1e-14);
-    }
-}
