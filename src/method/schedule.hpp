@@ -26,8 +26,7 @@ namespace almesh {
 enum class Algorithm { adaptive, paper, literal };
 enum class Continuation { automatic, never, always };  // of the boundary's motion, see continuation.hpp
 
-// How a mesh is moved. penalty is for comparison with the first; boundary_set (set_boundary.hpp) is not for decks.
-enum class MovingMethod { augmented_lagrangian, penalty, boundary_set };
+enum class MovingMethod { augmented_lagrangian, penalty };  // the latter for comparison
 
 struct AugmentedLagrangianParams {
     MovingMethod moving = MovingMethod::augmented_lagrangian;

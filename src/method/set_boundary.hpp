@@ -1,6 +1,5 @@
 // Sets the boundary on its target, at once or in load increments, and minimises the distortion inside. This needs no
-// multipliers, but a valid mesh to start each increment from: continuation.hpp tries it if Algorithm 1 fails, and
-// problem/improve.hpp uses it if the boundary stays as it is.
+// multipliers, but a valid mesh to start each increment from: continuation.hpp tries it if Algorithm 1 fails.
 //
 //   x = ideal mesh; for t = 1/n, 2/n, ..., 1: the boundary to its position at the fraction t of the motion, the nodes
 //   inside as those of an elastic solid (Newton::predict()), then Newton's method with the boundary fixed

@@ -7,7 +7,6 @@
 #include "check/boundary_distance.hpp"
 #include "io/patch.hpp"
 #include "mesh/inner_boundary.hpp"
-#include "method/set_boundary.hpp"
 #include "method/levels.hpp"
 #include "method/p_norm.hpp"
 #include "method/polish.hpp"
@@ -20,7 +19,6 @@ namespace almesh {
 namespace {
 
 bool starts_coarse(const ProblemOptions& options) {
-    if (options.method.moving == MovingMethod::boundary_set) return false;
     if (options.start == Start::automatic) return options.method.algorithm == Algorithm::adaptive;
     return options.start == Start::coarse;
 }
@@ -91,8 +89,6 @@ AlResult minimise_objective(const ProblemOptions& options, const Level& level, N
                             std::vector<double>& x, const AlStart& start, const AlObserver& observer,
                             const StageObserver& observe_part) {
     constexpr int last_power = 64;
-    if (options.method.moving == MovingMethod::boundary_set)
-        return minimise_with_boundary_set(level, newton, params, 1, x, observer);
     if (options.distortion.objective != Objective::minimax)
         return minimise_in_increments(level, newton, params, x, start, observer, observe_part);
     return minimise_p_norm(level, newton, params, options.power.value_or(last_power), x, start, observer, observe_part);

@@ -154,10 +154,8 @@ std::string against_uncertified(const Deck& deck, const Problem& problem, const 
 
 // |grad E| is rounded in proportion to the penalty, which algorithm = adaptive chooses by itself.
 std::string against_accuracy(const Deck& deck, const Solution& solution) {
-    const bool takes_mu0 = deck.method.moving == MovingMethod::penalty ||
-                           (deck.method.moving == MovingMethod::augmented_lagrangian &&
-                            deck.method.algorithm != Algorithm::adaptive);
-    if (takes_mu0) return "a smaller mu0, such as " + shown(1e-3 * deck.method.mu0) + ", or a larger omega0";
+    if (deck.method.moving == MovingMethod::penalty || deck.method.algorithm != Algorithm::adaptive)
+        return "a smaller mu0, such as " + shown(1e-3 * deck.method.mu0) + ", or a larger omega0";
     return "a larger omega_star, such as " + shown(2 * solution.al.iterations.back().gradient_norm, 2);
 }
 
