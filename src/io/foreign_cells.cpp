@@ -112,24 +112,6 @@ private:
     }
 };
 
-// What the elements of a type are, with what to do about them.
-const char* foreign_name(int number) {
-    static const std::vector<std::pair<const char*, std::vector<std::array<int, 2>>>> foreign = {
-        {"incomplete triangles (mesh with Mesh.SecondOrderIncomplete = 0)", {{20, 20}, {22, 22}, {24, 24}, {52, 56}}},
-        {"incomplete quadrilaterals (mesh with Mesh.SecondOrderIncomplete = 0)", {{39, 41}, {57, 61}}},
-        {"incomplete tetrahedra (mesh with Mesh.SecondOrderIncomplete = 0)", {{79, 83}, {137, 137}}},
-        {"incomplete hexahedra (mesh with Mesh.SecondOrderIncomplete = 0)", {{99, 105}}},
-        {"incomplete prisms (mesh with Mesh.SecondOrderIncomplete = 0)", {{111, 117}}},
-        {"incomplete pyramids (mesh with Mesh.SecondOrderIncomplete = 0)", {{125, 131}}},
-        {"cells of a degree above 7 (mesh with a lower Mesh.ElementOrder)",
-         {{44, 46}, {49, 51}, {64, 66}, {73, 75}, {97, 98}, {109, 110}, {123, 124}}},
-        {"elements of degree 0 (mesh with Mesh.ElementOrder = 1)", {{84, 89}, {132, 132}}}};
-    for (const auto& [name, ranges] : foreign)
-        for (const auto& [first, last] : ranges)
-            if (first <= number && number <= last) return name;
-    return "elements of an unknown kind";
-}
-
 // The node that is at two vertices of a cell that is no simplex, or -1.
 int repeated_vertex(const RawMesh& mesh, const RawElement& element) {
     const int* const node = &mesh.element_nodes[element.first];
@@ -308,9 +290,10 @@ void ForeignMshElements::add(int type, int line, long long count) {
 std::string ForeignMshElements::message() const {
     std::string what;
     for (const Kind& kind : kinds)
-        what += concat(what.empty() ? "" : "; ", kind.count, " ", foreign_name(kind.type), " of type ", kind.type,
+        what += concat(what.empty() ? "" : "; ", kind.count, " elements of type ", kind.type,
                        kind.line ? concat(", the first in line ", kind.line) : "");
-    return what + ": only " + readable_cells() + " of degree 1 to 7 with all their nodes are read";
+    return what + ": only " + readable_cells() + " of degree 1 to 7 with all their nodes are read (mesh with "
+                  "Mesh.SecondOrderIncomplete = 0 and a Mesh.ElementOrder of at most 7)";
 }
 
 }  // namespace almesh
