@@ -13,6 +13,7 @@
 #include "check/scaled_jacobian.hpp"
 #include "constraint/sliding_nodes.hpp"
 #include "geometry/patch.hpp"
+#include "linalg/ordering/graph.hpp"
 #include "mesh/restriction.hpp"
 
 namespace almesh {
@@ -167,7 +168,7 @@ private:
     std::vector<SlidingNode> sliding_;
     std::vector<int> element_;                  // with a node that moves
     std::vector<std::vector<Corner>> corners_;  // by group of elements
-    std::vector<int> first_, place_;            // per node, its vertices: 8 k + v, v of element_[k]
+    Groups places_;                             // per node, its vertices: 8 k + v, v of element_[k]
     std::vector<unsigned char> counts_;         // of these elements, bit c: whether the corner counts
     std::vector<Terms> terms_;                  // of these elements
     std::vector<Vec<3>> slopes_;                // at 8 k + v
@@ -175,17 +176,10 @@ private:
     void find_elements() {
         for (const ElementGroup& group : mesh_.element_groups()) corners_.push_back(corners_of(*group.cell));
         element_ = restriction_to(moving_.moves, mesh_).element;
-        first_.assign(mesh_.nodes() + 1, 0);
-        const auto for_vertices = [&](const auto& body) {
-            for (int k = 0; k < elements(); ++k)
-                for (int v = 0; v < mesh_.cell(element_[k]).vertices; ++v)
-                    body(mesh_.element(element_[k])[v], k * most_vertices + v);
-        };
-        for_vertices([&](int i, int) { ++first_[i + 1]; });
-        for (int i = 0; i < mesh_.nodes(); ++i) first_[i + 1] += first_[i];
-        place_.resize(first_.back());
-        std::vector<int> next(first_.begin(), first_.end() - 1);
-        for_vertices([&](int i, int place) { place_[next[i]++] = place; });
+        std::vector<int> node(element_.size() * most_vertices, mesh_.nodes());
+        for (int k = 0; k < elements(); ++k)
+            std::copy_n(mesh_.element(element_[k]), mesh_.cell(element_[k]).vertices, &node[k * most_vertices]);
+        places_ = sorted_by_group(node, mesh_.nodes() + 1);
         find_corners();
         terms_.resize(element_.size());
         slopes_.resize(element_.size() * most_vertices);
@@ -320,7 +314,7 @@ private:
 
     void gather(int i, double* g) const {
         Vec<3> sum{};
-        for (int k = first_[i]; k < first_[i + 1]; ++k) sum = sum + slopes_[place_[k]];
+        for (const int place : places_.of(i)) sum = sum + slopes_[place];
         std::copy_n(sum.begin(), dim_, g);
     }
 };
