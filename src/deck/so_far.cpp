@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "base/error.hpp"
 #include "base/files.hpp"
@@ -17,34 +18,24 @@ namespace {
 
 constexpr std::string_view heading = "the mesh so far, on the way ";
 
-template <class Number>
-void put(std::string& text, Number value) {
-    text += to_text(static_cast<double>(value));
+// A field of the standing, one number or several, as numbers.
+template <class Field>
+std::vector<double> numbers_of(const Field& field) {
+    if constexpr (std::is_arithmetic_v<Field>) return {static_cast<double>(field)};
+    else return {field.begin(), field.end()};
 }
 
-void put(std::string& text, const std::vector<double>& numbers) {
-    for (const double number : numbers) text += to_text(number) + " ";
-}
-
-void put(std::string& text, const std::vector<char>& flags) {
-    for (const char flag : flags) text += flag ? '1' : '0';
-}
-
-template <class Number>
-bool read(std::string_view text, Number& value) {
-    const auto number = parse_double(text);
-    value = static_cast<Number>(number.value_or(0));
-    return number && *number >= -1 && *number == static_cast<double>(value);
-}
-
-bool read(std::string_view text, std::vector<double>& numbers) {
+template <class Field>
+bool read(std::string_view text, Field& field) {
+    std::vector<double> numbers;
     for (const std::string_view word : words(text)) numbers.push_back(parse_double(word).value_or(NAN));
-    return std::all_of(numbers.begin(), numbers.end(), [](double number) { return std::isfinite(number); });
-}
-
-bool read(std::string_view text, std::vector<char>& flags) {
-    for (const char flag : text) flags.push_back(flag == '1');
-    return text.find_first_not_of("01") == std::string_view::npos;
+    if constexpr (std::is_arithmetic_v<Field>) {
+        if (numbers.size() != 1 || !(numbers[0] >= -1)) return false;
+        field = static_cast<Field>(numbers[0]);
+    } else {
+        field.assign(numbers.begin(), numbers.end());
+    }
+    return numbers_of(field) == numbers;  // a field of whole numbers holds no others, and none is nan
 }
 
 // visit(name, field) for all that there is.
@@ -66,7 +57,7 @@ std::string text_of(Standing standing, const std::string& way) {
     std::string text = concat(heading, way);
     for_fields(standing, [&](const char* name, const auto& field) {
         text += concat("\n", name);
-        put(text, field);
+        for (const double number : numbers_of(field)) text += to_text(number) + " ";
     });
     return text;
 }
