@@ -8,7 +8,6 @@
 #include <map>
 #include <set>
 
-#include "base/disjoint_sets.hpp"
 #include "base/text.hpp"
 #include "mesh/build_boundary.hpp"
 #include "mesh/lagrange.hpp"
@@ -193,36 +192,24 @@ std::vector<int> negative_elements(const MeshBuild& build, Folds folds) {
                  folds == Folds::refuse ? "; `almesh improve` gives them one, or lists those whose boundary does not" : "");
 }
 
-// The elements to turn so that neighbours are on opposite sides of their common face and what hangs together by faces
-// has a positive volume. e + count stands for element e turned; parts that cannot be oriented stay as they are, and so
-// do single elements of a group (below 1 %), which are inverted for whoever reads the file.
+// The elements to turn by their neighbours. Single elements of a group (below 1 %) stay: they are inverted for whoever
+// reads the file.
 std::vector<int> turned_by_neighbours(const Mesh& mesh) {
-    const int count = mesh.element_count(), most = mesh.most_sides();
     std::vector<Side> sides;
     for_sides(mesh, [&](int e, int k, int number) { sides.push_back(side_of_element(mesh, e, k, number)); });
-    DisjointSets agree(2 * count);
-    for_equal_sides(sides, [&](std::span<const Side> equal) {
-        for (const Side& side : equal) {
-            const int e = equal[0].number / most, f = side.number / most;
-            const int turn = side.even == equal[0].even && e != f ? count : 0;
-            agree.join(e, f + turn);
-            agree.join(e + count, f + count - turn);
-        }
-    });
-    std::vector<double> sum(2 * count, 0.0);
     bool all_positive = true;
-    for (int e = 0; e < count; ++e) {
-        const double v = volume(mesh, mesh.x, e);
-        all_positive = all_positive && v > 0;
-        sum[agree.find(e)] += v;
-        sum[agree.find(e + count)] -= v;
-    }
+    const std::vector<char> is_turned =
+        turned_by_neighbours(mesh.element_count(), sides, mesh.most_sides(), [&](int e) {
+            const double v = volume(mesh, mesh.x, e);
+            all_positive = all_positive && v > 0;
+            return v;
+        });
     std::vector<int> turned;
     if (all_positive) return turned;  // folded, not tangled
     std::map<int, int> of_group, turned_of_group;
-    for (int e = 0; e < count; ++e) {
+    for (int e = 0; e < mesh.element_count(); ++e) {
         ++of_group[mesh.file.element_physical[e]];
-        if (sum[agree.find(e)] >= 0) continue;
+        if (!is_turned[e]) continue;
         turned.push_back(e);
         ++turned_of_group[mesh.file.element_physical[e]];
     }

@@ -4,6 +4,7 @@
 #pragma once
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <limits>
 #include <span>
 #include <utility>
@@ -91,6 +92,12 @@ void for_equal_sides(std::vector<Side>& sides, const Body& body) {
         body(std::span<const Side>(begin, end));
     }
 }
+
+// Which of `count` cells to turn over so that neighbours go around their common sides in opposite directions and what
+// hangs together has a positive sum of value(cell); parts that cannot be oriented stay. sides: those of cell c have
+// numbers from c * most on. Sorts them.
+std::vector<char> turned_by_neighbours(int count, std::vector<Side>& sides, int most,
+                                       const std::function<double(int)>& value);
 
 // Local number of the side of element e that has the given vertices, in this order around it or the other way round,
 // from any of them on; -1: none.
