@@ -22,4 +22,12 @@ RawMesh parse_inp(std::string_view text, const std::string& path);
 bool looks_like_vtu(std::string_view text);
 RawMesh parse_vtu(std::string_view text, const std::string& path);
 
+// Surfaces alone, along which a boundary slides: STL, as text or binary, whatever its first word is, and OBJ, polygons
+// of which become triangles around their first vertex, and lines of which serve in 2D. Groups: of OBJ, and the named
+// solids of STL as text. Each corner of an STL is a node of its own (mesh/surface_mesh.hpp).
+bool looks_like_stl(std::string_view text);
+RawMesh parse_stl(std::string_view text, const std::string& path);
+bool looks_like_obj(std::string_view text);
+RawMesh parse_obj(std::string_view text, const std::string& path);
+
 }  // namespace almesh

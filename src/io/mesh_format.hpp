@@ -33,6 +33,10 @@ inline constexpr MeshFormat mesh_formats[] = {
     {"Abaqus and CalculiX", ".inp", looks_like_inp, parse_inp},
     {"VTU", ".vtu", looks_like_vtu, parse_vtu, true}};
 
+// What is read as a surface along which others slide, beside meshes.
+inline constexpr MeshFormat surface_formats[] = {{"STL, as text or binary", ".stl", looks_like_stl, parse_stl, true},
+                                                 {"Wavefront OBJ", ".obj", looks_like_obj, parse_obj}};
+
 struct RefusedFormat {
     std::string_view begin, word;  // the text begins with the one and has the other
     std::string_view name, advice;
@@ -134,6 +138,15 @@ inline std::string to_string(const FileFormat& format) {
 
 // The same read from the file.
 inline RawMesh read_mesh(const std::string& path) { return parse_mesh(read_file(path), path); }
+
+// The same of a surface.
+inline RawMesh read_surface(const std::string& path) {
+    const std::string text = read_file(path);
+    for (const bool by_name : {false, true})
+        for (const MeshFormat& format : surface_formats)
+            if (by_name ? path.ends_with(format.ending) : format.recognise(text)) return parse_mesh(text, path, format);
+    return parse_mesh(text, path);
+}
 
 // The same with the ids that its nodes and elements have in files of another format.
 inline RawMesh read_mesh(const std::string& path, const FileFormat& numbered_as) {
