@@ -71,6 +71,7 @@ bool BoundaryFaces::is_tangled(int f) const {
     const int vertices = mesh.face_cell(f).vertices;
     const std::vector<Vec<3>> corner = positions(mesh, mesh.x, mesh.face(f), vertices);
     const Vec<3> n = flat_normal(corner, mesh.dim - 1, vertices);
+    if (mesh.face_element[f] < 0) return false;  // of a surface alone
     const Vec<3> inward = element_centre(mesh, mesh.x, mesh.face_element[f]) - corner[0];
     return is_flat(n, length(inward)) || dot(n, inward) > 0;
 }
@@ -178,7 +179,7 @@ std::unique_ptr<Surface> BoundaryFaces::own(const std::vector<int>& faces) const
         numbers.push_back(face[k]);
         for (Patch& patch : of_surface.of(face[k], position[k])) all.push_back(std::move(patch));
     }
-    return surface_of_faces(of_surface.basis, all, of_surface.nodes_of(numbers));
+    return surface_of_faces(of_surface.basis, all, of_surface.nodes_of(numbers), mesh.element_count() > 0);
 }
 
 namespace {

@@ -319,8 +319,8 @@ private:
 }  // namespace
 
 std::unique_ptr<Surface> surface_of_faces(const PatchBasis& basis, const std::vector<Patch>& patches,
-                                          const std::vector<std::vector<int>>& node) {
-    if (basis.bernstein.degree > 1) return std::make_unique<MeshSurface>(basis, patches, node);
+                                          const std::vector<std::vector<int>>& node, bool rounds) {
+    if (basis.bernstein.degree > 1 || !rounds) return std::make_unique<MeshSurface>(basis, patches, node);
     const PatchBasis cubic(basis.bernstein.dim, 3);
     if (cubic.bernstein.dim == 1) {
         const SplineFaces faces(patches, node);

@@ -33,10 +33,21 @@ SlidingSurfaces::SlidingSurfaces(const Mesh& base, const std::vector<double>& no
             add_parts(own);
             continue;
         }
-        const Mesh& mesh = *other[b].mesh;
-        const BoundaryFaces others(mesh, at_nodes(mesh.faces, mesh.x, mesh.dim), other[b].boundaries);
-        add_parts(others);
         Faces& faces = faces_[b];
+        const auto first = std::find(other.begin(), other.begin() + b, other[b]) - other.begin();
+        if (first < b && slides[first]) {  // their common nodes are on one surface
+            faces.part = faces_[first].part;
+            faces.other = faces_[first].other;
+            faces.other_normal = faces_[first].other_normal;
+            faces.other_face = faces_[first].other_face;
+        } else {
+            const Mesh& mesh = *other[b].mesh;
+            const BoundaryFaces others(mesh, at_nodes(mesh.faces, mesh.x, mesh.dim), other[b].boundaries);
+            add_parts(others);
+            const std::vector<Patch> of_other = others.all_patches(faces.other_face);
+            faces.other = std::make_shared<ClosestPoint>(others.patches.basis, of_other);
+            for (const Patch& patch : of_other) faces.other_normal.push_back(flat_normal(patch, dim_ - 1));
+        }
         std::vector<Patch> before;
         for (std::size_t k = 0; k < own.face.size(); ++k) {
             const SubSimplices& cut = own.patches.cut(own.face[k]);
@@ -47,9 +58,6 @@ SlidingSurfaces::SlidingSurfaces(const Mesh& base, const std::vector<double>& no
             for (Patch& patch : own.patches.of(own.face[k], base.x)) before.push_back(std::move(patch));
         }
         faces.before = std::make_unique<ClosestPoint>(own.patches.basis, before);
-        const std::vector<Patch> of_other = others.all_patches(faces.other_face);
-        faces.other = std::make_unique<ClosestPoint>(others.patches.basis, of_other);
-        for (const Patch& patch : of_other) faces.other_normal.push_back(flat_normal(patch, dim_ - 1));
     }
 }
 

@@ -25,6 +25,7 @@ struct MeshPart;
 struct OtherSurface {
     std::shared_ptr<const Mesh> mesh;  // null: its own
     std::vector<char> boundaries;  // per boundary of it
+    bool operator==(const OtherSurface&) const = default;
 };
 
 class SlidingSurfaces {
@@ -60,7 +61,7 @@ private:
         std::unique_ptr<ClosestPoint> before;    // their patches before the motion; null where there is no other mesh
         std::vector<int> face;                   // of each patch
         std::vector<std::vector<Vec<3>>> after;  // patch, node: after it
-        std::unique_ptr<ClosestPoint> other;     // patches of another mesh; null where there is none
+        std::shared_ptr<ClosestPoint> other;     // patches of another mesh; null where there is none
         std::vector<Vec<3>> other_normal;
         std::vector<int> other_face;
         std::vector<int> part;                   // of each face, of the other mesh where there is one

@@ -45,11 +45,11 @@ std::unique_ptr<Surface> fit_surface(int dim, const std::vector<Vec<3>>& points,
 // points of it, but for x beyond its centres of curvature.
 std::unique_ptr<Surface> fit_quadric(int dim, const std::vector<Vec<3>>& points, double tolerance);
 
-// The faces of a mesh, flat ones replaced by cubics through the same corners, with interpolated normals. These are
-// continuous where faces meet at an angle, and so is the closest-point projection: p is the point whose interpolated
-// normal points to x. node: per patch the numbers of its nodes, in the order of the basis.
+// The faces of a mesh, flat ones, if `rounds`, replaced by cubics through the same corners, with interpolated normals.
+// These are continuous where faces meet at an angle, and so is the closest-point projection: p is the point whose
+// interpolated normal points to x. node: per patch the numbers of its nodes, in the order of the basis.
 std::unique_ptr<Surface> surface_of_faces(const PatchBasis& basis, const std::vector<Patch>& patches,
-                                          const std::vector<std::vector<int>>& node);
+                                          const std::vector<std::vector<int>>& node, bool rounds = true);
 
 // The projection p of x, with the unit normal n at p and S at x.
 SurfacePoint projection_at(const Vec<3>& x, const Vec<3>& p, const Vec<3>& n, const Mat<3>& S);
