@@ -66,7 +66,7 @@ Vec<3> cylinder_axis(Step step) { return padded(std::span(step.numbers).subspan(
 
 const char* axis_fault(const Vec<3>& axis) { return axis == Vec<3>{} ? "the axis is zero" : ""; }
 
-constexpr std::array<MotionForm, 13> forms = {{
+constexpr std::array<MotionForm, 14> forms = {{
     {.name = "fixed", .form = "fixed", .meaning = "the boundary stays as it is in the mesh file",
      .kind = NodeKind::fixed},
     {.name = "translate", .form = "translate DX DY [DZ]", .meaning = "shifts the boundary",
@@ -140,8 +140,13 @@ constexpr std::array<MotionForm, 13> forms = {{
      }},
     {.name = "slide", .form = "slide [along FILE [boundary NAME]]",
      .meaning = "last step: the nodes may move along the surface to which the steps before it take the boundary. With "
-                "FILE: along the boundary NAME of that mesh, else the one of the same name, else its only one",
+                "FILE: along the boundary NAME of that mesh, STL or OBJ, "
+                "else the one of the same name, else its only one",
      .along = true, .kind = NodeKind::slides},
+    {.name = "onto", .form = "onto FILE [boundary NAME]",
+     .meaning = "last step: draws the boundary onto a surface on which it does not lie yet, an STL, an OBJ or the "
+                "boundary of a mesh, each node to a point of it; steps before it bring the whole mesh near",
+     .along = true, .onto = true, .kind = NodeKind::slides},
     {.name = "free", .form = "free", .meaning = "the nodes may move anywhere", .kind = NodeKind::free},
 }};
 
@@ -239,9 +244,12 @@ const MotionStep* surface_step(const Motion& motion) {
     return last.form->along && !last.file.empty() ? &last : nullptr;
 }
 
+bool goes_onto(const Motion& motion) { return motion.steps.back().form->onto; }
+
 bool is_of_mesh(const MotionStep& file_step) { return file_step.form->mesh; }
 
 NodeKind kind_of(const Motion& motion) {
+    if (goes_onto(motion) && file_step(motion)) return NodeKind::target;  // landmarks
     const NodeKind last = motion.steps.back().form->kind;
     return last == NodeKind::fixed && motion.steps.size() > 1 ? NodeKind::target : last;
 }
@@ -254,6 +262,7 @@ Motion motion_of(NodeKind kind) {
 }
 
 NodeKind kind_of_rest(const Motion& motion) {
+    if (goes_onto(motion)) return NodeKind::slides;
     const MotionForm* const rest = motion.steps.front().rest;
     const bool leaves_open = rest && is_prescribed(kind_of(motion)) && !is_prescribed(rest->kind);
     return leaves_open ? rest->kind : kind_of(motion);

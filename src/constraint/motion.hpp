@@ -119,6 +119,7 @@ bool is_of_mesh(const MotionStep& file_step);  // the file is a mesh
 
 // The step that names another mesh along whose surface the nodes slide; null where they do not, or along their own.
 const MotionStep* surface_step(const Motion& motion);
+bool goes_onto(const Motion& motion);  // on which they do not lie yet
 
 // Whether it is an affine map, which takes polynomials to polynomials of the same degree: no step is a projection.
 bool is_affine(const Motion& motion);

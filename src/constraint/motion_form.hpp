@@ -22,6 +22,7 @@ struct MotionForm {
     bool file = false;                 // the name of a file comes first
     bool mesh = false;                 // which is a mesh
     bool along = false;                // a mesh and one of its boundaries may be named
+    bool onto = false;                 // whose file comes first, on which the nodes do not lie yet
     bool formulas = false;             // formulas in double quotes, one for each axis, in place of numbers
     bool affine = true;                // it takes polynomials to polynomials of the same degree
     int projection_in = 0;             // the dimension a projection acts in; so many leading numbers are its centre

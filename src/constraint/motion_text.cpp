@@ -23,7 +23,7 @@ void check(const MotionForm& form, Step step) {
     if (count < form.fewest || count > form.most) refuse(form, counted(count, "number"));
     if (form.formulas && step.formulas.size() != 2 && step.formulas.size() != 3)
         refuse(form, counted(step.formulas.size(), "formula"), " in double quotes");
-    if (form.file && step.file.empty()) refuse(form, "the name of the file is missing");
+    if ((form.file || form.onto) && step.file.empty()) refuse(form, "the name of the file is missing");
     if (!step.axis.empty() && step.axis.size() != 3) refuse(form, "`axis` needs 3 numbers");
     if (!step.about.empty() && step.about.size() != 2 && step.about.size() != 3)
         refuse(form, "`about` needs 2 numbers, or 3 in 3D");
@@ -78,7 +78,7 @@ std::vector<std::string_view> quoted_words(std::string_view text) {
 bool take_file(const MotionForm& form, const std::vector<std::string_view>& written, std::size_t& i, MotionStep& step) {
     const std::string_view word = written[i];
     const bool is_last = i + 1 == written.size();
-    if (form.file && step.file.empty()) {
+    if ((form.file || form.onto) && step.file.empty()) {
         step.file = without_quotes(word).value_or("");
     } else if (form.file && !form.mesh && word == "displacement" && !step.displacement) {
         step.displacement = true;
@@ -143,7 +143,7 @@ MotionStep parse_step(std::string_view text, const Constants& constants) {
 
 std::string to_string(Step step) {
     std::string text = step.form->name;
-    if (step.form->along && !step.file.empty()) text += " along";
+    if (step.form->along && !step.form->onto && !step.file.empty()) text += " along";
     if (!step.file.empty()) text += ' ' + quoted_where_needed(step.file, "#=;\" \t");
     if (!step.boundary.empty()) text += " boundary " + quoted_where_needed(step.boundary, "#=;\" \t");
     if (step.displacement) text += " displacement";

@@ -15,6 +15,7 @@
 #include "mesh/inner_boundary.hpp"
 #include "mesh/lagrange.hpp"
 #include "mesh/sides.hpp"
+#include "mesh/surface_mesh.hpp"
 
 namespace almesh {
 namespace {
@@ -90,13 +91,14 @@ void read_places(const Mesh& mesh, int boundary, const Motion& motion, std::vect
     const MotionStep& step = *file_step(motion);
     const auto nodes = nodes_by_id(mesh, boundary);
     std::vector<char> known;
+    const bool leaves_out = step.rest || goes_onto(motion);
     std::unordered_map<long long, int> of_file = nodes;  // with `else` one of several boundaries may serve each of them
-    for (int i = 0; i < mesh.nodes() && step.rest; ++i) of_file.try_emplace(mesh.file.node_id[i], i);
+    for (int i = 0; i < mesh.nodes() && leaves_out; ++i) of_file.try_emplace(mesh.file.node_id[i], i);
     read_node_rows(mesh, step.file, of_file,
-                   step.rest ? "in the mesh" : "on boundary " + mesh.boundaries[boundary], positions, known);
+                   leaves_out ? "in the mesh" : "on boundary " + mesh.boundaries[boundary], positions, known);
     for (std::size_t k = 0; k < positions.size() && step.displacement; ++k)
         if (known[k / mesh.dim]) positions[k] += mesh.x[k];
-    if (!step.rest)
+    if (!leaves_out)
         refuse_missing(mesh, boundary, step.file, known, nodes,
                        "; to move only those that it has: `file NAME else fixed`, `else slide` or `else free`");
     const bool is_fixed = kind_of_rest(motion) == kind_of(motion);
@@ -203,8 +205,11 @@ void read_faces_of_mesh(const Mesh& mesh, int boundary, const RawMesh& other, st
 
 std::shared_ptr<const Mesh> read(const std::string& path, int dim, std::vector<std::string>& notes) {
     std::vector<std::string> of_file;
-    const auto mesh =
-        std::make_shared<const Mesh>(build_base_mesh(read_mesh(path), IdealKind::automatic, of_file).mesh);
+    const RawMesh raw = read_surface(path);
+    const auto mesh = std::make_shared<const Mesh>(
+        dim_of(raw) == dim - 1 || raw.elements.empty()
+            ? surface_mesh(raw, dim, of_file)
+            : build_base_mesh(raw, IdealKind::automatic, of_file).mesh);
     if (mesh->dim != dim)
         throw InputError(path, ": a mesh in ", mesh->dim, " dimensions, the one that moves has ", dim);
     for (const std::string& note : of_file) notes.push_back(path + ": " + note);
@@ -212,9 +217,10 @@ std::shared_ptr<const Mesh> read(const std::string& path, int dim, std::vector<s
 }
 
 std::vector<char> boundaries_of(const Mesh& other, const MotionStep& step, const std::string& own_name) {
-    const bool only_one = step.boundary.empty() && other.boundaries.size() == 1;
+    const bool is_alone = other.boundaries.size() == 1 || other.element_count() == 0;
     const std::string& name = step.boundary.empty() ? own_name : step.boundary;
-    const std::vector<char> found = only_one ? std::vector<char>{1} : other.boundaries_in(name);
+    const std::vector<char> found = step.boundary.empty() && is_alone ? std::vector<char>(other.boundaries.size(), 1)
+                                                                      : other.boundaries_in(name);
     if (std::count(found.begin(), found.end(), 1) > 0) return found;
     std::string list;
     for (const std::string& each : other.boundaries) list += (list.empty() ? "" : ", ") + with_quotes(each);
