@@ -223,7 +223,9 @@ std::vector<Motion> motions_of(const ProblemSetup& setup, const Mesh& mesh, std:
 }
 
 bool may_stay(const ProblemOptions& options, const std::vector<Motion>& motions) {
-    return options.ideal == IdealKind::regular && std::all_of(motions.begin(), motions.end(), stays_on_surface);
+    return options.ideal == IdealKind::regular && std::all_of(motions.begin(), motions.end(), [](const Motion& motion) {
+               return stays_on_surface(motion) || goes_onto(motion);
+           });
 }
 
 }  // namespace almesh

@@ -111,7 +111,8 @@ public:
         Solution solution = at(x);
         if (setup_.stops_valid || interrupted()) return solution;
         const bool was_valid = problem_.infeasible.empty() && invalid_elements(problem_, mesh.x).empty();
-        const ImprovementGuard guard(setup_, problem_, was_valid ? mesh.x : x);  // x: of a run that goes on, too
+        const bool is_drawn = std::any_of(problem_.motions.begin(), problem_.motions.end(), goes_onto);
+        const ImprovementGuard guard(setup_, problem_, was_valid && !is_drawn ? mesh.x : x);
         if (minimises) solution = minimised(x, stays ? &guard : nullptr);
         if (!stays || solution.al.status != Status::converged) return solution;
         if (mesh.degree == 1 && (!setup_.needs_objective || setup_.distortion.objective == Objective::minimax))

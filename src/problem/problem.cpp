@@ -5,12 +5,13 @@
 #include <limits>
 
 #include "problem/base_mesh.hpp"
+#include "problem/drawing.hpp"
 #include "problem/infeasible_target.hpp"
 #include "problem/memory.hpp"
 #include "problem/node_targets.hpp"
 #include "base/error.hpp"
 #include "base/physical_memory.hpp"
-#include "base/text.hpp"
+#include "base/table.hpp"
 #include "check/certificate.hpp"
 #include "constraint/sliding_boundary.hpp"
 #include "constraint/sliding_nodes.hpp"
@@ -272,15 +273,68 @@ void discretise(const ProblemSetup& setup, Problem& problem) {
     problem.node_target = problem.target.node;
 }
 
+// Gives the run a start near the surfaces onto which boundaries go, from which these slide.
+void draw_onto(const ProblemOptions& options, Problem& problem) {
+    if (std::none_of(problem.motions.begin(), problem.motions.end(), goes_onto)) return;
+    if (options.in_time) throw SettingError("frames", "`onto` has no frames: give them to a run that starts from its "
+                                            "final mesh");
+    const Mesh &shape = problem.shape(), &mesh = problem.mesh();
+    const std::vector<double> x = drawn(
+        options, problem, shape, problem.ideal_of(shape),
+        make_target(shape, shape.x, problem.motions, problem.placed, problem.shared), shape.x, false);
+    std::vector<double> left, start = on_level(shape, x, *problem.level);
+    if (mesh.nodes() > shape.nodes())
+        start = drawn(options, problem, mesh, problem.ideal(), problem.target, std::move(start), true);
+    start = at_closest_points(options, problem, start, left);
+    if (!left.empty())
+        problem.notes.push_back(concat(counted(left.size(), "boundary node"), " not brought onto the surface, within ",
+                                       to_text(*std::max_element(left.begin(), left.end()), 3), " of it: elements "
+                                       "there would be inverted, or nearly so"));
+    problem.placed.resize(problem.motions.size());
+    problem.level_placed.resize(problem.motions.size());
+    for (std::size_t b = 0; b < problem.motions.size(); ++b) {
+        if (!goes_onto(problem.motions[b])) continue;
+        problem.placed[b].x = x;
+        problem.level_placed[b].x = start;
+    }
+    problem.target = make_target(mesh, mesh.x, problem.motions, problem.level_placed, problem.shared);
+    prescribe_shared_nodes(mesh, problem.target);
+    for_face_nodes(mesh, [&](int f, std::size_t k) {
+        if (goes_onto(problem.motions[mesh.face_boundary[f]]) && !is_improved(options.ideal))
+            problem.target.kind[k] = std::min(problem.target.kind[k], NodeKind::target);
+    });
+    problem.node_target = problem.target.node;
+    problem.frame.take_to_run(start, problem.base.dim);
+    if (problem.start.empty()) problem.start = std::move(start);
+}
+
+// Of a mesh that is improved, nodes that were drawn onto a surface slide along it from there; those that were not brought
+// to a point of all surfaces on which they are to be stay.
+void hold_off_surface(Problem& problem) {
+    if (!problem.sliding || std::none_of(problem.motions.begin(), problem.motions.end(), goes_onto)) return;
+    const Mesh& mesh = problem.mesh();
+    const auto constraint =
+        make_constraint(mesh, problem.ideal(), problem.target, TargetKind::nodal, problem.sliding);
+    const std::vector<char> off = constraint->off_target(problem.start);
+    std::vector<char> stays(mesh.nodes(), 0);
+    for (std::size_t t = 0; t < off.size(); ++t) stays[constraint->nodes()[t]] = off[t];
+    for_face_nodes(mesh, [&](int f, std::size_t k) {
+        if (stays[mesh.faces[k]] && goes_onto(problem.motions[mesh.face_boundary[f]]))
+            problem.target.kind[k] = std::min(problem.target.kind[k], NodeKind::target);
+    });
+    if (problem.target.prescribes_all()) problem.sliding = nullptr;
+}
+
 // Along what nodes slide; null where none does.
 std::shared_ptr<SlidingSurfaces> make_surfaces(const ProblemSetup& setup, Problem& problem) {
     BoundaryTarget& target = problem.target;
+    problem.other = read_other_surfaces(setup, problem.base, problem.notes);
+    draw_onto(setup, problem);
     if (target.prescribes_all()) return nullptr;
     const auto is_free = [](const Motion& motion) { return kind_of(motion) == NodeKind::free; };
     if (std::all_of(problem.motions.begin(), problem.motions.end(), is_free))
         throw SettingError("", "all boundaries are free: give at least one of them a motion");
-    const std::vector<OtherSurface> other = read_other_surfaces(setup, problem.base, problem.notes);
-    const auto sliding = surfaces_at(1, setup, problem, problem.mesh(), target, problem.motions, other);
+    const auto sliding = surfaces_at(1, setup, problem, problem.mesh(), target, problem.motions, problem.other);
     if (sliding) note_surfaces(*sliding, is_improved(setup.ideal), problem);
     return sliding;
 }
@@ -382,6 +436,7 @@ void complete(const ProblemSetup& setup, Problem& problem) {
     problem.file_x = mesh.x;
     take_to_run(problem.frame, mesh.dim, problem.target);
     take_to_run(problem.frame, *problem.level);
+    hold_off_surface(problem);
 }
 
 Problem make_problem(const ProblemSetup& setup, BaseMesh base, std::vector<std::string> notes) {

@@ -37,6 +37,7 @@ struct Problem {
     std::vector<std::string> infeasible;  // improved: per element why it need not be valid, or ""; empty: all have to
     PlacedNodes placed, level_placed;  // positions from files, for shape() and for the level, in units of the file
     std::shared_ptr<const SlidingSurfaces> sliding;  // null where no boundary slides
+    std::vector<OtherSurface> other;  // read_other_surfaces()
     Frame frame;                   // of the run, by the mesh file
     std::string mesh_hash, run_id;  // of a run of a deck (deck/make_problem.hpp)
     std::string mesh_text;          // its mesh file, where that will be written again with other coordinates

@@ -203,7 +203,8 @@ Solution solve(const ProblemOptions& options, const Problem& problem, const Solv
                bool goes_on) {
     const Stopwatch watch;
     Solution solution;
-    const auto coarser = starts_coarse(options) ? coarser_meshes(options, problem) : std::vector<CoarserMesh>();
+    const bool coarse_first = starts_coarse(options) && problem.start.empty();
+    const auto coarser = coarse_first ? coarser_meshes(options, problem) : std::vector<CoarserMesh>();
     const auto make_level = [&](int k) { return coarser_level(options, problem, coarser[k]); };
     const auto add_stage = [&](const Stage& stage) {
         if (observer.stage) observer.stage(stage);

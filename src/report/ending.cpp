@@ -11,6 +11,7 @@
 #include "deck/so_far.hpp"
 #include "base/interrupt.hpp"
 #include "base/table.hpp"
+#include "problem/drawing.hpp"
 
 namespace almesh {
 namespace {
@@ -252,7 +253,8 @@ void print_boundary(std::FILE* out, const Deck& deck, const Problem& problem, co
         print(out, solution.straight_faces, " of ", problem.mesh().face_count(),
               " faces were made flat, or flatter than in the file\n");
     print(out, moved_nodes_text(problem.mesh(), solution.off_motion.moved),
-          distance_table(problem.mesh(), solution.distances, "the target as it came"));
+          distance_table(problem.mesh(), solution.distances, "the target as it came"),
+          distances_text(deck, problem, final_positions(problem, solution.x)));
 }
 
 }  // namespace
