@@ -48,7 +48,7 @@ inline constexpr std::string_view hdf5 = "\x89HDF\r\n\x1a\n", gmsh = "gmsh -3 IN
                                   cgns = "gmsh -0 IN -format msh41 -o OUT.msh (Gmsh's own builds)",
                                   meshio = "meshio convert -o gmsh22 IN OUT.msh", exodus = "plot/to_msh.py IN OUT.msh",
                                   paraview = "ParaView: File, Save Data, as legacy VTK",
-                                  stl = "STL, a surface that has no inside";
+                                  stl = "STL, a surface without inside (boundaries can slide along it or go onto it)";
 
 }  // namespace refused
 
@@ -71,8 +71,9 @@ inline constexpr RefusedFormat refused_formats[] = {
     {"", "SetFactory(", "a script of Gmsh", refused::gmsh},
     {"solid", "facet", refused::stl,
      "gmsh -3 IN.geo -o OUT.msh, where IN.geo is `Merge \"IN.stl\"; Surface Loop(1) = {1}; Volume(1) = {1};`"},
-    {"ply", "element vertex", "PLY, a surface that has no inside", "meshio convert IN.ply IN.stl, then as of STL"},
-    {"", "\nf ", "OBJ, a surface that has no inside", "meshio convert IN.obj IN.stl, then as of STL"},
+    {"ply", "element vertex", "PLY, a surface without inside", "meshio convert IN.ply IN.stl, then as of STL"},
+    {"", "\nf ", "OBJ, a surface without inside (boundaries can slide along it or go onto it)",
+     "meshio convert IN.obj IN.stl, then as of STL"},
     {"", "BEGIN BULK", "Nastran", refused::meshio},
     {"", "\nGRID", "Nastran", refused::meshio},
     {"\x1f\x8b", "", "compressed by gzip", "gunzip"},

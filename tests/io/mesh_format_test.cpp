@@ -75,7 +75,7 @@ TEST_CASE("formats that are not read are told by their contents, with what conve
              {"ISO-10303-21;\nHEADER;", "a: STEP, which is not read; " + what + "gmsh -3 IN"},
              {iges, "a: IGES"}, {"DBRep_DrawableShape\n\nCASCADE Topology V3", "a: BREP"},
              {"SetFactory(\"OpenCASCADE\");\nBox(1) = {0,0,0,1,1,1};", "a: a script of Gmsh"},
-             {"solid cube\n facet normal 0 0 1\n", "a: STL, a surface that has no inside"},
+             {"solid cube\n facet normal 0 0 1\n", "a: STL, a surface without inside"},
              {binary_stl, "a: STL, a surface"},
              {"ply\nformat ascii 1.0\nelement vertex 3\n", "a: PLY, a surface"},
              {"# a cube\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "a: OBJ, a surface"},
