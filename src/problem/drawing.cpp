@@ -6,8 +6,9 @@
 #include "base/error.hpp"
 #include "base/interrupt.hpp"
 #include "base/parallel.hpp"
+#include "base/table.hpp"
 #include "check/certificate.hpp"
-#include "constraint/dirichlet.hpp"
+#include "constraint/sliding_boundary.hpp"
 #include "method/functional.hpp"
 #include "method/newton.hpp"
 #include "problem/surface_pairing.hpp"
@@ -134,8 +135,8 @@ void draw(const ProblemOptions& options, const Problem& problem, const Mesh& mes
     }
 }
 
-}  // namespace
-
+// x with such boundaries near their surfaces. mesh: of the problem, ideal and target: of it, x: its nodes, a valid mesh,
+// all in the file's frame. is_near: x has been drawn there, on another mesh.
 std::vector<double> drawn(const ProblemOptions& options, const Problem& problem, Mesh mesh, std::vector<double> ideal,
                           BoundaryTarget target, std::vector<double> x, bool is_near) {
     prescribe_shared_nodes(mesh, target);
@@ -145,6 +146,8 @@ std::vector<double> drawn(const ProblemOptions& options, const Problem& problem,
     return problem.frame.to_file(x, mesh.dim);
 }
 
+// x (nodes of problem.mesh(), in the file's frame) with the nodes of such boundaries at the closest points of their
+// surfaces, but for those whose elements would lose half their certified bound. left: on return how far off these are.
 std::vector<double> at_closest_points(const ProblemOptions& options, const Problem& problem,
                                       const std::vector<double>& x, std::vector<double>& left) {
     constexpr double least_part = 0.5;  // of the certified bound of an element
@@ -176,6 +179,57 @@ std::vector<double> at_closest_points(const ProblemOptions& options, const Probl
             }
     }
     return y;
+}
+
+}  // namespace
+
+void draw_onto(const ProblemOptions& options, Problem& problem) {
+    if (std::none_of(problem.motions.begin(), problem.motions.end(), goes_onto)) return;
+    if (options.in_time) throw SettingError("frames", "`onto` has no frames: give them to a run that starts from its "
+                                            "final mesh");
+    const Mesh &shape = problem.shape(), &mesh = problem.mesh();
+    const std::vector<double> x = drawn(
+        options, problem, shape, problem.ideal_of(shape),
+        make_target(shape, shape.x, problem.motions, problem.placed, problem.shared), shape.x, false);
+    std::vector<double> left, start = on_level(shape, x, *problem.level);
+    if (mesh.nodes() > shape.nodes())
+        start = drawn(options, problem, mesh, problem.ideal(), problem.target, std::move(start), true);
+    start = at_closest_points(options, problem, start, left);
+    if (!left.empty())
+        problem.notes.push_back(concat(counted(left.size(), "boundary node"), " not brought onto the surface, within ",
+                                       to_text(*std::max_element(left.begin(), left.end()), 3), " of it: elements "
+                                       "there would be inverted, or nearly so"));
+    problem.placed.resize(problem.motions.size());
+    problem.level_placed.resize(problem.motions.size());
+    for (std::size_t b = 0; b < problem.motions.size(); ++b) {
+        if (!goes_onto(problem.motions[b])) continue;
+        problem.placed[b].x = x;
+        problem.level_placed[b].x = start;
+    }
+    problem.target = make_target(mesh, mesh.x, problem.motions, problem.level_placed, problem.shared);
+    prescribe_shared_nodes(mesh, problem.target);
+    for_face_nodes(mesh, [&](int f, std::size_t k) {
+        if (goes_onto(problem.motions[mesh.face_boundary[f]]) && !is_improved(options.ideal))
+            problem.target.kind[k] = std::min(problem.target.kind[k], NodeKind::target);
+    });
+    problem.node_target = problem.target.node;
+    problem.frame.take_to_run(start, problem.base.dim);
+    if (problem.start.empty()) problem.start = std::move(start);
+}
+
+void hold_off_surface(Problem& problem) {
+    if (!problem.sliding || std::none_of(problem.motions.begin(), problem.motions.end(), goes_onto)) return;
+    const Mesh& mesh = problem.mesh();
+    const auto constraint =
+        make_constraint(mesh, problem.ideal(), problem.target, TargetKind::nodal, problem.sliding);
+    const std::vector<char> off = constraint->off_target(problem.start);
+    std::vector<char> stays(mesh.nodes(), 0);
+    for (std::size_t t = 0; t < off.size(); ++t) stays[constraint->nodes()[t]] = off[t];
+    for_face_nodes(mesh, [&](int f, std::size_t k) {
+        if (stays[mesh.faces[k]] && goes_onto(problem.motions[mesh.face_boundary[f]]))
+            problem.target.kind[k] = std::min(problem.target.kind[k], NodeKind::target);
+    });
+    if (problem.target.prescribes_all()) problem.sliding = nullptr;
 }
 
 std::string distances_text(const ProblemOptions& options, const Problem& problem, const std::vector<double>& x) {

@@ -15,16 +15,14 @@
 
 namespace almesh {
 
-// x with such boundaries near their surfaces. mesh: of the problem, ideal and target: of it, x: its nodes, a valid mesh,
-// all in the file's frame. is_near: x has been drawn there, on another mesh. Throws InputError where x is not valid, and
-// where a surface is of another size or far away.
-std::vector<double> drawn(const ProblemOptions& options, const Problem& problem, Mesh mesh, std::vector<double> ideal,
-                          BoundaryTarget target, std::vector<double> x, bool is_near);
+// Gives the problem, if such boundaries are in it, a start near their surfaces, and a target: points of these. Nodes
+// whose elements would be inverted there, or nearly so, stay where they are: a note says how many, and how far off.
+// Throws InputError where the mesh is not valid, and where a surface is of another size or far away.
+void draw_onto(const ProblemOptions& options, Problem& problem);
 
-// x (nodes of problem.mesh(), in the file's frame) with the nodes of such boundaries at the closest points of their
-// surfaces, but for those whose elements would lose half their certified bound. left: on return how far off these are.
-std::vector<double> at_closest_points(const ProblemOptions& options, const Problem& problem,
-                                      const std::vector<double>& x, std::vector<double>& left);
+// Of a mesh that is improved, nodes that were drawn onto a surface slide along it from there; those that were not brought
+// to a point of all surfaces on which they are to be stay.
+void hold_off_surface(Problem& problem);
 
 // A line for each surface: how far the boundary at x (nodes of problem.mesh(), in the file's frame) and the surface are
 // from each other.

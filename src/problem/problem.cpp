@@ -11,7 +11,7 @@
 #include "problem/node_targets.hpp"
 #include "base/error.hpp"
 #include "base/physical_memory.hpp"
-#include "base/table.hpp"
+#include "base/text.hpp"
 #include "check/certificate.hpp"
 #include "constraint/sliding_boundary.hpp"
 #include "constraint/sliding_nodes.hpp"
@@ -25,21 +25,6 @@ namespace {
 Mesh discretised(const Mesh& base, int refinements, int degree) {
     const Mesh refined = refine(base, refinements);
     return degree == 1 ? linear_part(refined) : interpolated(refined, degree);
-}
-
-// Interpolates positions (or another field) at the nodes of `shape` to the level's mesh, which has the same elements,
-// possibly refined.
-std::vector<double> on_level(const Mesh& shape, std::vector<double> positions, const Level& level) {
-    if (level.mesh.element_count() != shape.element_count())
-        return prolong(shape, straight_sided(shape), level.mesh, level.ideal, positions);
-    Mesh moved = shape;
-    moved.x = std::move(positions);
-    moved = discretised(moved, 0, level.mesh.degree);
-    positions.resize(level.mesh.x.size());
-    for (std::size_t k = 0; k < moved.elements.size(); ++k)
-        std::copy_n(point(moved.x, moved.elements[k], moved.dim), moved.dim,
-                    point(positions, level.mesh.elements[k], moved.dim));
-    return positions;
 }
 
 // x + fraction (X - x), which at the fraction 1 is X to the last bit.
@@ -113,6 +98,19 @@ BoundaryTarget target_on(const Problem& problem, const Level& level, PlacedNodes
 }
 
 }  // namespace
+
+std::vector<double> on_level(const Mesh& shape, std::vector<double> positions, const Level& level) {
+    if (level.mesh.element_count() != shape.element_count())
+        return prolong(shape, straight_sided(shape), level.mesh, level.ideal, positions);
+    Mesh moved = shape;
+    moved.x = std::move(positions);
+    moved = discretised(moved, 0, level.mesh.degree);
+    positions.resize(level.mesh.x.size());
+    for (std::size_t k = 0; k < moved.elements.size(); ++k)
+        std::copy_n(point(moved.x, moved.elements[k], moved.dim), moved.dim,
+                    point(positions, level.mesh.elements[k], moved.dim));
+    return positions;
+}
 
 std::unique_ptr<Level> discretise(const Problem& problem, int refinements, int degree, PlacedNodes& placed,
                                   BoundaryTarget& target) {
@@ -271,58 +269,6 @@ void discretise(const ProblemSetup& setup, Problem& problem) {
     problem.pairs = problem.level->pairs;
     if (problem.is_own_ideal) check_curved_ideal(setup, problem.base, problem.mesh());
     problem.node_target = problem.target.node;
-}
-
-// Gives the run a start near the surfaces onto which boundaries go, from which these slide.
-void draw_onto(const ProblemOptions& options, Problem& problem) {
-    if (std::none_of(problem.motions.begin(), problem.motions.end(), goes_onto)) return;
-    if (options.in_time) throw SettingError("frames", "`onto` has no frames: give them to a run that starts from its "
-                                            "final mesh");
-    const Mesh &shape = problem.shape(), &mesh = problem.mesh();
-    const std::vector<double> x = drawn(
-        options, problem, shape, problem.ideal_of(shape),
-        make_target(shape, shape.x, problem.motions, problem.placed, problem.shared), shape.x, false);
-    std::vector<double> left, start = on_level(shape, x, *problem.level);
-    if (mesh.nodes() > shape.nodes())
-        start = drawn(options, problem, mesh, problem.ideal(), problem.target, std::move(start), true);
-    start = at_closest_points(options, problem, start, left);
-    if (!left.empty())
-        problem.notes.push_back(concat(counted(left.size(), "boundary node"), " not brought onto the surface, within ",
-                                       to_text(*std::max_element(left.begin(), left.end()), 3), " of it: elements "
-                                       "there would be inverted, or nearly so"));
-    problem.placed.resize(problem.motions.size());
-    problem.level_placed.resize(problem.motions.size());
-    for (std::size_t b = 0; b < problem.motions.size(); ++b) {
-        if (!goes_onto(problem.motions[b])) continue;
-        problem.placed[b].x = x;
-        problem.level_placed[b].x = start;
-    }
-    problem.target = make_target(mesh, mesh.x, problem.motions, problem.level_placed, problem.shared);
-    prescribe_shared_nodes(mesh, problem.target);
-    for_face_nodes(mesh, [&](int f, std::size_t k) {
-        if (goes_onto(problem.motions[mesh.face_boundary[f]]) && !is_improved(options.ideal))
-            problem.target.kind[k] = std::min(problem.target.kind[k], NodeKind::target);
-    });
-    problem.node_target = problem.target.node;
-    problem.frame.take_to_run(start, problem.base.dim);
-    if (problem.start.empty()) problem.start = std::move(start);
-}
-
-// Of a mesh that is improved, nodes that were drawn onto a surface slide along it from there; those that were not brought
-// to a point of all surfaces on which they are to be stay.
-void hold_off_surface(Problem& problem) {
-    if (!problem.sliding || std::none_of(problem.motions.begin(), problem.motions.end(), goes_onto)) return;
-    const Mesh& mesh = problem.mesh();
-    const auto constraint =
-        make_constraint(mesh, problem.ideal(), problem.target, TargetKind::nodal, problem.sliding);
-    const std::vector<char> off = constraint->off_target(problem.start);
-    std::vector<char> stays(mesh.nodes(), 0);
-    for (std::size_t t = 0; t < off.size(); ++t) stays[constraint->nodes()[t]] = off[t];
-    for_face_nodes(mesh, [&](int f, std::size_t k) {
-        if (stays[mesh.faces[k]] && goes_onto(problem.motions[mesh.face_boundary[f]]))
-            problem.target.kind[k] = std::min(problem.target.kind[k], NodeKind::target);
-    });
-    if (problem.target.prescribes_all()) problem.sliding = nullptr;
 }
 
 // Along what nodes slide; null where none does.

@@ -60,6 +60,10 @@ Problem make_problem(const ProblemSetup& setup, BaseMesh base, std::vector<std::
 Problem begin_problem(const ProblemSetup& setup, BaseMesh base, std::vector<std::string> notes);
 void complete(const ProblemSetup& setup, Problem& problem);
 
+// Interpolates positions (or another field) at the nodes of `shape` to the level's mesh, which has the same elements,
+// possibly refined.
+std::vector<double> on_level(const Mesh& shape, std::vector<double> positions, const Level& level);
+
 // Gives the problem the target of the motions as they are now, at another time; all else stays.
 void move_target(const ProblemSetup& setup, Problem& problem);
 
