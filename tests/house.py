@@ -18,10 +18,10 @@ SRC = ROOT / "src"
 
 # Rooms, each of which includes only itself and those above it.
 ROOMS = {
-    "base": 1503, "linalg": 4817, "mesh": 4899, "geometry": 2004, "energy": 3361, "constraint": 3979, "method": 3065,
-    "check": 2644, "io": 3993, "problem": 4962, "deck": 1627, "report": 1876, "app": 1390,
+    "base": 1503, "linalg": 4817, "mesh": 5035, "geometry": 2004, "energy": 3361, "constraint": 3979, "method": 3065,
+    "check": 2644, "io": 3993, "problem": 5508, "deck": 1627, "report": 1876, "app": 1390,
 }
-MOST = {"src/ without lessons and examples": 40657, "src/examples": 900, "src/lessons": 6000, "README.md": 180,
+MOST = {"src/ without lessons and examples": 40666, "src/examples": 900, "src/lessons": 6000, "README.md": 180,
         "Newton::minimise()": 30, "include depth": 8, "a file": 490, "includes beyond the line": 14}
 # topic: most files, most lines, the files: both of `name.*` where there are two.
 TOPICS = {

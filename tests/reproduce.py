@@ -31,8 +31,8 @@ QUICK = ["channel-bump", "circle", "circle-literal", "circle-printed", "circle-r
          "gauntlet/airfoil-pitched", "gauntlet/airfoil-turned", "gauntlet/block-turned", "gauntlet/circle-moved-worst",
          "gauntlet/circle-quarter-worst", "gauntlet/circle-refined-turned", "gauntlet/circle-turned",
          "gauntlet/circle-turned-worst", "gauntlet/layers-degree-4", "gauntlet/plate-turned", "slide/bump",
-         "slide/half-aircraft", "slide/onto-bump", "slide/piston", "slide/rotor", "targets/flap", "targets/wave",
-         "targets/from-wave"]
+         "slide/half-aircraft", "slide/onto-box", "slide/onto-bump", "slide/piston", "slide/rotor", "targets/flap",
+         "targets/wave", "targets/from-wave"]
 COUNTS = ["exit_code", "status", "al_iterations", "newton_iterations", "earlier_newton_iterations",
           "coarse_newton_iterations", "linear_iterations", "local_steps", "nodes_off_target", "freed_nodes",
           "refined_elements", "invalid_elements", "certified_valid", "certified_injective"]

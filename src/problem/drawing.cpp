@@ -135,7 +135,7 @@ void draw(const ProblemOptions& options, const Problem& problem, const Mesh& mes
     }
 }
 
-// x with such boundaries near their surfaces. mesh: of the problem, ideal and target: of it, x: its nodes, a valid mesh,
+// x with such boundaries near their surfaces. mesh: of the problem; ideal, target: of it; x: its nodes, a valid mesh;
 // all in the file's frame. is_near: x has been drawn there, on another mesh.
 std::vector<double> drawn(const ProblemOptions& options, const Problem& problem, Mesh mesh, std::vector<double> ideal,
                           BoundaryTarget target, std::vector<double> x, bool is_near) {
