@@ -47,10 +47,6 @@ void note(Problem& problem, int count, const std::string& why) {
     else problem.notes.back() += "; " + text;
 }
 
-double largest(const std::vector<double>& distances) {
-    return distances.empty() ? 0 : *std::max_element(distances.begin(), distances.end());
-}
-
 // Changes of the volumes of the regions, relative to them: of curved elements too, by what their faces have swept.
 std::string volume_changes(const Mesh& mesh, const std::vector<double>& x) {
     std::vector<GroupCells> regions = volume_groups(mesh);
@@ -121,7 +117,8 @@ void fix_boundary(Problem& problem, const std::vector<double>& x) {
 }
 
 double surface_distance(const Problem& problem, const std::vector<double>& x) {
-    return largest(distances_from_surface(problem, x));
+    const std::vector<double> distances = distances_from_surface(problem, x);
+    return distances.empty() ? 0 : *std::max_element(distances.begin(), distances.end());
 }
 
 void print_surface(std::FILE* out, const ProblemOptions& options, const Problem& problem,

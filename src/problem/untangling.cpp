@@ -236,24 +236,21 @@ struct Untangling {
         std::vector<double> most = local->statistics(local->read(x)).element_max;
         for (std::size_t e = 0; e < most.size(); ++e)
             most[e] = std::max({harmless, more * most[e], std::isfinite(before[e]) ? before[e] : 0.0});
-        const auto squared_distance = [&](const double* a, const double* b) {
-            double sum = 0;
-            for (int k = 0; k < mesh_.dim; ++k) sum += (a[k] - b[k]) * (a[k] - b[k]);
-            return sum;
+        const auto squared_distance = [&](const std::vector<double>& a, int i, const std::vector<double>& b, int j) {
+            const Vec<3> way = at_node(a, i, mesh_.dim) - at_node(b, j, mesh_.dim);
+            return dot(way, way);
         };
         std::vector<double> size(mesh_.nodes(), std::numeric_limits<double>::infinity());  // squared: shortest edge
         for (const int e : elements)
             for (const auto [v, w] : mesh_.cell(e).edges) {
                 const int i = mesh_.element(e)[v], j = mesh_.element(e)[w];
-                const double squared = squared_distance(point(x, i, mesh_.dim), point(x, j, mesh_.dim));
+                const double squared = squared_distance(x, i, x, j);
                 size[i] = std::min(size[i], squared);
                 size[j] = std::min(size[j], squared);
             }
         std::vector<std::pair<double, int>> by_distance;
         for (int i = 0; i < mesh_.nodes(); ++i)
-            if (moves[i])
-                by_distance.push_back(
-                    {squared_distance(point(x, i, mesh_.dim), point(from, i, mesh_.dim)) / size[i], i});
+            if (moves[i]) by_distance.push_back({squared_distance(x, i, from, i) / size[i], i});
         std::sort(by_distance.begin(), by_distance.end());
         std::size_t good = 0, bad = by_distance.size() + 1;
         std::vector<double> y, best = x;
@@ -332,12 +329,10 @@ struct Untangling {
 
 // Per element whether it has no vertex of these.
 std::vector<char> far_from(const Mesh& mesh, const std::vector<int>& elements) {
-    std::vector<char> near(mesh.nodes(), 0), far;
+    std::vector<char> near(mesh.nodes(), 0), far(mesh.element_count(), 1);
     for (const int e : elements)
         for (int v = 0; v < mesh.cell(e).vertices; ++v) near[mesh.element(e)[v]] = 1;
-    for (int e = 0; e < mesh.element_count(); ++e)
-        far.push_back(std::none_of(mesh.element(e), mesh.element(e) + mesh.cell(e).vertices,
-                                   [&](int i) { return near[i]; }));
+    for (const int e : restriction_to(near, mesh).element) far[e] = 0;
     return far;
 }
 

@@ -140,8 +140,7 @@ struct FrameRun {
         const Deck now = deck_at(deck_, row.t, row.number, files_);
         if (row.number > 1 || coupling_) move_target(now, problem_);
         tell_notes();
-        const std::unique_ptr<std::FILE, int (*)(std::FILE*)> nowhere(std::fopen("/dev/null", "w"), std::fclose);
-        IterationTable report(nowhere.get(), {problem_.mesh().dim, problem_.frame.length}, problem_.run_id);
+        IterationTable report(out_, {problem_.mesh().dim, problem_.frame.length}, problem_.run_id, false);
         Solution solution = solver_.solve(now, before_, row.t, row.started_from, report.observer());
         row.history += report.rows();
         if (interrupted()) return;
