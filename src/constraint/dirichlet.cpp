@@ -116,9 +116,10 @@ void Dirichlet::add_hessian(const std::vector<double>& x, const std::vector<doub
             for (int k = M.row[t]; k < M.row[t + 1]; ++k) {
                 const Mat<3>&left = D[t], &right = D[M.col[k]];
                 const double weight = factor * M.value[k];
-                double* const block = H.block(H.find(i, H.row_of(trace_.nodes[M.col[k]])));
-                for (int c = 0; c < n; ++c)
-                    for (int ab = 0; ab < n * n; ++ab) block[ab] += weight * left[c][ab / n] * right[c][ab % n];
+                H.change_block(i, H.row_of(trace_.nodes[M.col[k]]), [&](double* block) {
+                    for (int c = 0; c < n; ++c)
+                        for (int ab = 0; ab < n * n; ++ab) block[ab] += weight * left[c][ab / n] * right[c][ab % n];
+                });
             }
         }, matrix_work);
         if (projected) return;
@@ -128,8 +129,7 @@ void Dirichlet::add_hessian(const std::vector<double>& x, const std::vector<doub
             Vec<3> force{};
             trace_.mass_times<n>(v, t, force.data());
             const Mat<3> second = second_derivative_at(t, at(x, t), force);
-            const int i = H.row_of(trace_.nodes[t]);
-            double* const block = H.block(H.find(i, i));
+            double* const block = H.diagonal(H.row_of(trace_.nodes[t]));
             for (int ab = 0; ab < n * n; ++ab) block[ab] += second[ab / n][ab % n];
         }, surface_work);
     });

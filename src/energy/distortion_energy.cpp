@@ -12,7 +12,7 @@ namespace almesh {
 
 BlockCsr DistortionEnergy::hessian_pattern() const {
     BlockCsr H = pattern_;
-    H.value.assign(H.col.size() * H.d * H.d, 0.0);
+    H.set_zero();
     return H;
 }
 

@@ -105,7 +105,7 @@ protected:
 private:
     PeriodicPairs pairs_;
 
-    virtual void blocks_moved(const LargeVector<int>&) = 0;  // place[b]: where block b of the pattern is now
+    virtual void blocks_moved(const LargeVector<int>& place) = 0;  // of the pattern: place as of ordered_pattern()
 };
 
 // ideal: node_count x dim positions of the ideal mesh, whose elements must have positive volume: else InputError.

@@ -33,15 +33,12 @@ void prefetch_blocks(const double* values, const int* block, int count) {
     }
 }
 
-// values[block[k]] += part[k], blocks of `size` numbers. Each is loaded whole, then stored: they cannot alias.
-template <int size>
-void add_blocks(const double* part, const int* block, int count, double* values) {
-    for (int k = 0; k < count; ++k) {
-        double* const to = values + offset(block[k], size);
-        double sum[size];
-        for (int e = 0; e < size; ++e) sum[e] = to[e] + part[k * size + e];
-        std::copy_n(sum, size, to);
-    }
+// to += part, blocks of `size` numbers. The block is loaded whole, then stored: they cannot alias.
+template <int size, class Number>
+void add_block(const double* part, Number* to) {
+    Number sum[size];
+    for (int e = 0; e < size; ++e) sum[e] = static_cast<Number>(to[e] + part[e]);
+    std::copy_n(sum, size, to);
 }
 
 }  // namespace
@@ -89,6 +86,7 @@ template <class ElementOf>
 void SimdEnergy::fill(const Mesh& mesh, const ElementOf& element_of) {
     const int m = reference_.nodes, batches = (element_count_ + lanes - 1) / lanes;
     block_value_.resize(blocks_.count());
+    targets_ = m * m;
     nodes_.resize(offset(batches, lanes * m));
     ideal_inverse_.resize(offset(batches, dim_ * dim_));
     for (std::vector<Lanes>* values : {&ideal_jacobian_, &weight_, &damping_weight_}) values->resize(batches);
@@ -145,13 +143,20 @@ double SimdEnergy::integral(const std::vector<Lanes>& values) const {
 }
 
 void SimdEnergy::blocks_moved(const LargeVector<int>& place) {
-    const int mm = reference_.nodes * reference_.nodes;
+    const int m = reference_.nodes, mm = m * m;
+    const bool half = place[hessian_block_.front()] < 0;  // a block of the diagonal
+    targets_ = half ? m * (m - 1) / 2 : mm;
+    LargeVector<int> moved(offset(element_count_, targets_));
     parallel_for(element_count_, [&](int e) {
+        const int* const block = &hessian_block_[offset(e, mm)];
+        int* to = &moved[offset(e, targets_)];
         for (int k = 0; k < mm; ++k) {
-            int& block = hessian_block_[offset(e, mm, k)];
-            block = place[block];
+            const int a = k / m, b = k % m, here = place[block[k]];
+            if (!half) *to++ = here;
+            else if (b < a) *to++ = here >= 0 ? 2 * here : 2 * place[block[b * m + a]] + 1;
         }
-    }, reference_.nodes);
+    }, m);
+    hessian_block_ = std::move(moved);
 }
 
 // Begins an evaluation. body(std::type_identity<Batch>): the batch for elements of this dimension and degree.
@@ -260,8 +265,19 @@ void SimdEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, Blo
     const bool projected = kind == HessianKind::projected, of_objective = kind != HessianKind::damping;
     const double t = projected ? projection.damping : of_objective ? 0 : 1;
     const double kept_negative = projected ? projection.kept_negative : of_objective ? 1 : 0;
-    const int mm = reference_.nodes * reference_.nodes, size = dim_ * dim_;
-    const auto target_of = [&](int place) { return &hessian_block_[offset(place, mm)]; };
+    const int m = reference_.nodes, mm = m * m;
+    const bool half = H.in_half();
+    const auto target_of = [&](int place) { return &hessian_block_[offset(place, targets_)]; };
+    const auto add = [&](auto size, const double* part, int place) {
+        const int* target = target_of(place);
+        double* const values = H.value.data();
+        for (int k = 0; k < mm && !half; ++k) add_block<size>(part + k * size, values + offset(target[k], size));
+        for (int a = 0; a < m && half; ++a) {
+            for (int b = 0; b < a; ++b, ++target)
+                add_block<size>(part + (*target % 2 == 0 ? a * m + b : b * m + a) * size, H.block_below(*target / 2));
+            add_block<size>(part + a * (m + 1) * size, H.diagonal(H.row_of(element(place)[a])));
+        }
+    };
     with_density(params_, [&](auto density) {
         const auto hessian_of = [&](auto& elements, Lanes own, Lanes added) {
             if (!of_objective) own = Lanes{};
@@ -271,26 +287,26 @@ void SimdEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, Blo
         };
         dispatch([&](auto type) {
             using Batch = typename decltype(type)::type;
-            constexpr int block_size = Batch::dimension * Batch::dimension;
+            using Size = std::integral_constant<int, Batch::dimension * Batch::dimension>;
             blocks_.in_schedule(is_large_, [&](int block) {
                 every_batch<Batch>(block, x, [&](Batch& elements, int batch) {
                     const int first = batch * lanes, count = std::min(lanes, element_count_ - first);
                     const int* const target = target_of(first);
-                    prefetch_blocks<block_size>(H.value.data(), target, count * mm);
+                    if (!half) prefetch_blocks<Size::value>(H.value.data(), target, count * mm);
                     const double* const part = hessian_of(elements, weight_[batch], damping_weight_[batch]);
-                    for (int k = 0; k < count; ++k)
-                        add_blocks<block_size>(part + k * elements.stride(), target + k * mm, mm, H.value.data());
+                    for (int k = 0; k < count; ++k) add(Size(), part + k * elements.stride(), first + k);
                 });
             });
         });
         const auto hessian_of_refined = [&](auto& element, int r, double* to) {
             const IdealElement& of = singles_[r].ideal;
-            std::copy_n(hessian_of(element, in_all_lanes(of.weight), in_all_lanes(of.damping_weight)), mm * size, to);
+            const Lanes own = in_all_lanes(of.weight), added = in_all_lanes(of.damping_weight);
+            std::copy_n(hessian_of(element, own, added), mm * dim_ * dim_, to);
         };
-        every_refined(x, mm * size, hessian_of_refined, [&](int r, const double* part) {
-            const int* const target = target_of(rules_.refined()[r].element);
-            for (int k = 0; k < mm; ++k)
-                for (int e = 0; e < size; ++e) H.value[offset(target[k], size, e)] += part[k * size + e];
+        every_refined(x, mm * dim_ * dim_, hessian_of_refined, [&](int r, const double* part) {
+            with_dimension(dim_, [&](auto n) {
+                add(std::integral_constant<int, n() * n()>(), part, rules_.refined()[r].element);
+            });
         });
     });
 }

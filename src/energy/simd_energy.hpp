@@ -49,7 +49,10 @@ private:
     ElementBlocks blocks_;
     // By place in blocks_.order, as nodes_ and rules_, filled up to whole batches with copies of the last element that
     // weigh nothing:
-    LargeVector<int> hessian_block_;     // element x element node x element node: block of the pattern
+    // element x element node x element node: block of the pattern. Where half of the Hessian is stored, for two nodes
+    // a > b of each element: twice the block of both, and 1 more where b has its row.
+    LargeVector<int> hessian_block_;
+    int targets_;                        // of these numbers for each element
     LargeVector<Lanes> ideal_inverse_;   // batch x dim x dim, A^{-1} where it is constant
     std::vector<Lanes> ideal_jacobian_;  // batch, det A
     std::vector<Lanes> weight_;          // batch, w_e det A

@@ -206,15 +206,15 @@ inline void PlainEnergy::add_hessian(const std::vector<double>& x, HessianKind k
                 add_second_derivative<n>(at.F, Power{measure_of(density), false}, params_.delta, t * at.damping_w, A);
             if (kind != HessianKind::full) project(n * n, A, projected ? projection.kept_negative : 0);
             for (int i = 0; i < reference_.nodes; ++i)
-                for (int j = 0; j < reference_.nodes; ++j) {
-                    double* const block = H.block(H.find(H.row_of(at.node[i]), H.row_of(at.node[j])));
-                    for (int a = 0; a < n; ++a)
-                        for (int b = 0; b < n; ++b)
-                            for (int k = 0; k < n; ++k)
-                                for (int l = 0; l < n; ++l)
-                                    block[a * n + b] += at.gradient[i * n + k] *
-                                                        A[(a * n + k) * n * n + b * n + l] * at.gradient[j * n + l];
-                }
+                for (int j = 0; j < reference_.nodes; ++j)
+                    H.change_block(H.row_of(at.node[i]), H.row_of(at.node[j]), [&](double* block) {
+                        for (int a = 0; a < n; ++a)
+                            for (int b = 0; b < n; ++b)
+                                for (int k = 0; k < n; ++k)
+                                    for (int l = 0; l < n; ++l)
+                                        block[a * n + b] += at.gradient[i * n + k] *
+                                                            A[(a * n + k) * n * n + b * n + l] * at.gradient[j * n + l];
+                    });
         });
     });
 }

@@ -97,9 +97,18 @@ BlockCsr joint_pattern(const std::vector<const BlockCsr*>& patterns, std::vector
     return A;
 }
 
+void BlockCsr::set_zero() {
+    if (in_half() && !below) below = std::make_shared<LargeVector<float>>(col.size() * d * d + 3, 0.0f);
+    value.resize((in_half() ? n : col.size()) * d * d);
+    parallel_for(n, [&](int i) {
+        if (in_half()) std::fill(block_below(row[i]), block_below(row[i + 1]), 0.0f);
+        std::fill(block(in_half() ? i : row[i]), block(in_half() ? i + 1 : row[i + 1]), 0.0);
+    });
+}
+
 BlockCsr matrix_of_cells(int n, int d, const std::vector<int>& cells, int cell_nodes) {
     BlockCsr A = pattern_of_cells(n, d, cells, cell_nodes);
-    A.value.assign(A.col.size() * d * d, 0.0);
+    A.set_zero();
     return A;
 }
 
@@ -159,13 +168,19 @@ RowOrder row_order(std::vector<int> node, std::vector<int> start) {
 BlockCsr ordered_pattern(const BlockCsr& pattern, std::shared_ptr<const RowOrder> order, LargeVector<int>& place) {
     const std::vector<int>&node = order->node, &row = order->row;
     BlockCsr A{pattern.n, pattern.d, {0}};
-    for (int v : node) A.row.push_back(A.row.back() + pattern.row[v + 1] - pattern.row[v]);
-    std::vector<int> source(pattern.col.size());  // block of the pattern for each block of A
-    A.col.resize(source.size());
-    place.resize(source.size());
+    const auto is_stored = [&](int v, int u) { return !order->in_half || row[u] < row[v]; };
+    place.resize(pattern.col.size());
+    for (int v : node) {
+        A.row.push_back(A.row.back());
+        for (int k = pattern.row[v]; k < pattern.row[v + 1]; ++k) A.row.back() += is_stored(v, pattern.col[k]);
+    }
+    A.col.resize(A.row.back());
+    std::vector<int> source(A.col.size());  // block of the pattern for each block of A
     parallel_for(A.n, [&](int i) {
         const auto begin = source.begin() + A.row[i], end = source.begin() + A.row[i + 1];
-        std::iota(begin, end, pattern.row[node[i]]);
+        for (int k = pattern.row[node[i]], at = A.row[i]; k < pattern.row[node[i] + 1]; ++k)
+            if (is_stored(node[i], pattern.col[k])) source[at++] = k;
+            else place[k] = -1;
         std::sort(begin, end, [&](int a, int b) { return row[pattern.col[a]] < row[pattern.col[b]]; });
         std::transform(begin, end, A.col.begin() + A.row[i], [&](int k) { return row[pattern.col[k]]; });
         for (int k = A.row[i]; k < A.row[i + 1]; ++k) place[source[k]] = k;

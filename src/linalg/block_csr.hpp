@@ -2,8 +2,10 @@
 // d = space dimension (d = 1 is ordinary CSR).
 //
 // Block row i holds the blocks k = row[i] .. row[i+1]-1 in the block columns col[k], ascending and without repeats;
-// block k is value[k*d*d .. (k+1)*d*d), row-major. Symmetric matrices store both triangles.
+// block k is value[k*d*d .. (k+1)*d*d), row-major. Symmetric matrices store both triangles; or half of it, in a quarter
+// of the memory: the blocks below the diagonal in single precision, and the diagonal.
 #pragma once
+#include <algorithm>
 #include <memory>
 #include <type_traits>
 #include <vector>
@@ -36,6 +38,7 @@ struct RowOrder {
     // From the vertices to the rows, and the domains of the vertices; no columns where all nodes are vertices.
     Interpolation of_vertices = {};
     std::vector<int> vertex_start = {};
+    bool in_half = false;  // of matrices in this order half is stored
 };
 
 // node: a permutation. Without `start`, all rows are one domain.
@@ -48,6 +51,9 @@ struct BlockCsr {
     std::vector<int> col = {};       // block columns, ascending within a row
     LargeVector<double> value = {};  // d*d per block
     std::shared_ptr<const RowOrder> order = {};  // none: row i is that of node i
+    // Where half is stored the blocks of the pattern, those below the diagonal, and three numbers more; value has the
+    // diagonal. Copies share it, and the preconditioner, which puts its factor there.
+    std::shared_ptr<LargeVector<float>> below = {};
 
     int row_of(int node) const { return order ? order->row[node] : node; }
     int node_of(int row_) const { return order ? order->node[row_] : row_; }
@@ -55,6 +61,23 @@ struct BlockCsr {
     int size() const { return n * d; }
     double* block(int k) { return value.data() + offset(k, d * d); }
     const double* block(int k) const { return value.data() + offset(k, d * d); }
+    bool in_half() const { return order && order->in_half; }
+    float* block_below(int k) const { return below->data() + offset(k, d * d); }
+    double* diagonal(int i) { return block(in_half() ? i : find(i, i)); }
+    const double* diagonal(int i) const { return block(in_half() ? i : find(i, i)); }
+    void set_zero();  // all values, for which it makes room
+
+    // change(block (i, j) of the pattern); nothing above the diagonal where half is stored.
+    template <class Change>
+    void change_block(int i, int j, const Change& change) {
+        if (i == j || !in_half()) return change(i == j ? diagonal(i) : block(find(i, j)));
+        if (i < j) return;
+        float* const stored = block_below(find(i, j));
+        double values[9];
+        std::copy_n(stored, d * d, values);
+        change(values);
+        std::transform(values, values + d * d, stored, [](double entry) { return static_cast<float>(entry); });
+    }
 
     // Place of block (i, j), or -1 where the pattern has none.
     int find(int i, int j) const;
@@ -80,7 +103,8 @@ BlockCsr joint_pattern(const std::vector<const BlockCsr*>& patterns, std::vector
 // The pattern with all values zero.
 BlockCsr matrix_of_cells(int n, int d, const std::vector<int>& cells, int cell_nodes);
 
-// The pattern with rows and columns in the given order, without values; place[k]: where block k is then.
+// The pattern with rows and columns in the given order, without values; place[k]: where block k is then, -1 for those
+// that are not stored.
 BlockCsr ordered_pattern(const BlockCsr& pattern, std::shared_ptr<const RowOrder> order, LargeVector<int>& place);
 
 // The values of A to their places in the pattern made of A's.

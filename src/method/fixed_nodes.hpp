@@ -16,12 +16,13 @@ inline void fix_nodes(const std::vector<char>& fixed, int dim, std::vector<doubl
 }
 
 inline void fix_nodes(const std::vector<char>& fixed, BlockCsr& H) {
-    for (int i = 0; i < H.n && !fixed.empty(); ++i)
+    for (int i = 0; i < H.n && !fixed.empty(); ++i) {
         for (int k = H.row[i]; k < H.row[i + 1]; ++k) {
             if (!fixed[H.node_of(i)] && !fixed[H.node_of(H.col[k])]) continue;
-            std::fill_n(H.block(k), H.d * H.d, 0.0);
-            for (int a = 0; a < H.d && i == H.col[k]; ++a) H.block(k)[a * H.d + a] = 1;
+            H.change_block(i, H.col[k], [&H](double* block) { std::fill_n(block, H.d * H.d, 0.0); });
         }
+        for (int ab = 0; ab < H.d * H.d && fixed[H.node_of(i)]; ++ab) H.diagonal(i)[ab] = ab % (H.d + 1) == 0;
+    }
 }
 
 // A v for vectors in the order of the nodes, whatever the order of A's rows.

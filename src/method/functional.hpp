@@ -93,7 +93,7 @@ struct AugmentedFunctional : Functional {
 
     void hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H,
                  const Projection& projection = {}) const override {
-        parallel_for(H.n, [&H](int i) { std::fill(H.block(H.row[i]), H.block(H.row[i + 1]), 0.0); });
+        H.set_zero();
         distortion.add_hessian(x, kind, H, projection);
         constraint.add_hessian(x, lambda, penalty, kind != HessianKind::full, H);
         distortion.pairs().fold(H);

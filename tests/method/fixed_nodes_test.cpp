@@ -2,7 +2,13 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
+#include <memory>
+#include <utility>
+
 #include "energy/vertex_interpolation.hpp"
+#include "linalg/ordering/graph.hpp"
+#include "linalg/ordering/ordering.hpp"
 #include "method/functional.hpp"
 #include "method/newton.hpp"
 #include "support/meshes.hpp"
@@ -31,6 +37,50 @@ TEST_CASE("held nodes: no gradient, rows and columns of the unit matrix, all oth
                 const bool fixed = E.fixed[i] || E.fixed[H.col[k]], diagonal = i == H.col[k] && ab % 3 == 0;
                 CHECK(H.block(k)[ab] == (fixed ? (diagonal ? 1 : 0) : full.block(k)[ab]));
             }
+}
+
+// With elements of several types, one with a refined rule, and each assembly.
+TEST_CASE("half of a Hessian has the blocks of the whole one in single precision, and its diagonal") {
+    for (const Assembly assembly : {Assembly::simd, Assembly::plain})
+        for (const Mesh& linear : {ring_mesh(8, 3, 4), cube_mesh(2), mixed_mesh(4)}) {
+            const Minimisation of(raise_degree(linear, 2), {}, Objective::deviation,
+                                  TargetKind::nodal, assembly);
+            of.distortion.set_quadrature({{{0, {1}, 0.1}}, {}});
+            const std::vector<double> x = wavy(of.ideal, of.mesh.dim, 0.01);
+            AugmentedFunctional E = of.functional(10);
+            for (const bool holds : {false, true}) {
+                if (holds) E.fixed = of.level.on_boundary();
+                BlockCsr whole = of.distortion.hessian_pattern();
+                E.hessian(x, HessianKind::full, whole);
+                const Minimisation other(raise_degree(linear, 2), {}, Objective::deviation,
+                                         TargetKind::nodal, assembly);
+                other.distortion.set_quadrature({{{0, {1}, 0.1}}, {}});
+                other.distortion.order_hessian([](const BlockCsr& pattern) {
+                    RowOrder order = cut_into_domains(graph_of(pattern));
+                    order.in_half = true;
+                    return std::make_shared<RowOrder>(std::move(order));
+                });
+                AugmentedFunctional of_half = other.functional(10);
+                of_half.fixed = E.fixed;
+                BlockCsr half = other.distortion.hessian_pattern();
+                of_half.hessian(x, HessianKind::full, half);
+                const int size = half.d * half.d;
+                const double largest = norm_inf(whole);
+                int blocks = 0;
+                for (int i = 0; i < half.n; ++i) {
+                    const int node = half.node_of(i);
+                    for (int e = 0; e < size; ++e)
+                        CHECK(half.diagonal(i)[e] == doctest::Approx(whole.diagonal(node)[e]).epsilon(1e-12));
+                    for (int k = half.row[i]; k < half.row[i + 1]; ++k, ++blocks) {
+                        const double* const block = whole.block(whole.find(node, half.node_of(half.col[k])));
+                        REQUIRE(half.col[k] < i);
+                        for (int e = 0; e < size; ++e)
+                            CHECK(std::abs(half.block_below(k)[e] - block[e]) < 1e-6 * largest);
+                    }
+                }
+                CHECK(2 * blocks + half.n == whole.blocks());
+            }
+        }
 }
 
 // The correction of degree 1 moves nodes and moves them back, to rounding.
