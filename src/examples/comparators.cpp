@@ -120,7 +120,9 @@ int main(int count, char** argument) try {
     if (count < 4) throw UsageError("arguments: METHOD INCREMENTS DECK [key=value ...]");
     const auto increments = parse_int(argument[2], 1, 100000);
     if (!increments) throw UsageError("the number of increments is an integer from 1 on");
-    return run(argument[1], *increments, read_deck(argument[3], {argument + 4, argument + count}));
+    Deck deck = read_deck(argument[3], {argument + 4, argument + count});
+    deck.linear.half_from_blocks = std::numeric_limits<double>::infinity();  // other matrices have that pattern too
+    return run(argument[1], *increments, deck);
 } catch (const Error& error) {
     std::fprintf(stderr, "comparators: %s\n", error.what());
     return static_cast<int>(error.exit_code);

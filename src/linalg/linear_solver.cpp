@@ -3,6 +3,7 @@
 // 2002, chapter 12).
 #include "linalg/linear_solver.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <variant>
 
@@ -36,9 +37,12 @@ constexpr double flops_of_entry = 20;  // of Cholesky, in the time that an itera
 // The same from small to large matrices: work = factor flops^power, to a factor of 1.7 from 3e6 to 1e10 flops, as
 // large dense blocks are eliminated at a higher rate.
 constexpr double factor_of_flops = 8.5, power_of_flops = 0.7;
+constexpr double row_of_half = 40;  // blocks: tetrahedra of degree 2 have 28, of degree 3 52
 constexpr double refine_above = 1e-15;  // scaled residual from which a step of iterative refinement is worth a solve
 
-double entries(const BlockCsr& A) { return std::max<double>(1, static_cast<double>(A.blocks()) * A.d * A.d); }
+double entries(const BlockCsr& A) {
+    return std::max(1.0, (A.in_half() ? 2.0 * A.blocks() + A.n : A.blocks()) * A.d * A.d);
+}
 
 using Method = std::variant<ConjugateGradients, Gmres>;
 
@@ -240,9 +244,16 @@ LinearSolver::Direct& LinearSolver::direct(const BlockCsr& A) {
     return *direct_;
 }
 
-bool iterates(int unknowns, int dimension, const LinearSolverParams& params) {
+bool iterates(double unknowns, int dimension, const LinearSolverParams& params) {
     if (params.kind != SolverKind::automatic) return params.kind != SolverKind::cholesky;
     return unknowns >= params.cg_from_unknowns[dimension - 2];
+}
+
+bool stores_half(double rows, double blocks, int dimension, const LinearSolverParams& params) {
+    const auto by = params.preconditioner;
+    return dimension == 3 && iterates(dimension * rows, dimension, params) && params.kind != SolverKind::gmres &&
+           by != PreconditionerKind::ilu0 && by != PreconditionerKind::ssor && !params.ordering &&
+           blocks >= std::max(params.half_from_blocks, row_of_half * rows);
 }
 
 std::shared_ptr<const RowOrder> sweep_order(const BlockCsr& pattern, int dimension, const LinearSolverParams& params,
@@ -250,6 +261,7 @@ std::shared_ptr<const RowOrder> sweep_order(const BlockCsr& pattern, int dimensi
     if (!iterates(pattern.size(), dimension, params) || params.ordering) return nullptr;
     auto order = std::make_shared<RowOrder>(cut_into_domains(graph_of(pattern)));
     order_interpolation(of_vertices, *order);
+    order->in_half = of_vertices.columns > 0 && stores_half(pattern.n, pattern.blocks(), dimension, params);
     return order;
 }
 
@@ -301,7 +313,7 @@ SolveResult LinearSolver::solve(const BlockCsr& A, const std::vector<double>& b,
     if (first.status == SolveStatus::success) failures_ = 0, failed_iterations_ = 0;
     if (first.status == SolveStatus::success || first.status == SolveStatus::not_positive_definite) return first;
     if (may_be_indefinite && first.status == SolveStatus::indefinite_preconditioner) return first;
-    if (!params_.fallback) return first;
+    if (!params_.fallback || A.in_half()) return first;
     const bool tried = first.status != SolveStatus::indefinite_preconditioner;
     const bool of_ilu = first.preconditioner == PreconditionerKind::ilu0;
     if (tried ? !direct_is_worth(A, first.iterations) : !of_ilu || !direct(A).cholesky.fits()) return first;

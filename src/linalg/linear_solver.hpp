@@ -44,6 +44,7 @@ struct LinearSolverParams {
     int cg_from_unknowns[2] = {1000000, 8000};  // automatic, 2D and 3D: systems from this size on go to cg
     double memory_limit = 0;     // bytes for the Cholesky factor; 0: the machine's physical memory
     bool fallback = true;        // Cholesky takes over where an iterative solver fails
+    double half_from_blocks = 1.3e7;  // of a matrix of 1 GB half is stored, see stores_half()
     // Empty: nested dissection for Cholesky, domains for ILU(0), which any other ordering makes run on one thread.
     std::optional<Ordering> ordering = {};
 };
@@ -62,7 +63,11 @@ struct SolveResult {
 };
 
 // Whether a system of this size goes to an iterative solver first.
-bool iterates(int unknowns, int dimension, const LinearSolverParams& params);
+bool iterates(double unknowns, int dimension, const LinearSolverParams& params);
+
+// Whether half of a matrix is stored (block_csr.hpp): in 3D, where conjugate gradients with SSOR and a correction of
+// degree 1 solve it, and rows are so long that no factorisation would take over. It takes no part in products then.
+bool stores_half(double rows, double blocks, int dimension, const LinearSolverParams& params);
 
 // The order of rows in which the matrices on this pattern had best be assembled; none where they go to Cholesky first.
 // of_vertices: interpolation to the nodes from those that are vertices, each of which has a column and there the weight

@@ -35,7 +35,7 @@ constexpr double much_alone = 0.1;        // of what a Newton step gained, that 
 std::vector<double> reachable_decrease(const BlockCsr& H, const std::vector<double>& g) {
     std::vector<double> decrease(H.n);
     parallel_for(H.n, [&](int i) {
-        const double *const block = H.block(H.find(i, i)), *const gi = &g[offset(H.node_of(i), H.d)];
+        const double *const block = H.diagonal(i), *const gi = &g[offset(H.node_of(i), H.d)];
         double trace = 0, squared = 0;
         for (int a = 0; a < H.d; ++a) {
             trace += block[a * H.d + a];
@@ -46,7 +46,8 @@ std::vector<double> reachable_decrease(const BlockCsr& H, const std::vector<doub
     return decrease;
 }
 
-// local: the first `count` of `rows` with `layers` of neighbours; false if they are more than `most`.
+// local: the first `count` of `rows` with `layers` of neighbours, if half of H is stored those before them; false if
+// they are more than `most`.
 bool with_neighbours(const BlockCsr& H, const std::vector<int>& rows, int count, double most, std::vector<int>& local) {
     std::vector<char> is_local(H.n, 0);
     local.assign(rows.begin(), rows.begin() + count);
@@ -106,7 +107,8 @@ LocalElimination::Result LocalElimination::eliminate(const Functional& E, const 
     if (is_dear) params.most_work = most_dear_work * work_of_newton - work - result.work;
     NewtonPolicies policies = NewtonPolicies::of_few_nodes(of == Of::mesh && !is_dear ? Of::few_nodes : Of::nothing);
     policies.forcing = Forcing::fixed;
-    Newton newton(local->hessian_pattern(), {.tolerance = local_tolerance}, policies);
+    // Where half of H is stored memory is short: a factor of a part may take more than H.
+    Newton newton(local->hessian_pattern(), {.tolerance = local_tolerance, .fallback = !H.in_half()}, policies);
     std::vector<double> y = local->read(x), moved = x;
     result.work += newton.minimise(*local, params, y, [&](const NewtonStep&) { ++result.steps; }).work;
     local->write(y, moved);

@@ -160,6 +160,7 @@ std::vector<double> Newton::correction_of_inside(const std::vector<double>& x, c
 
 bool Newton::predict(const Functional& E, HessianKind kind, const std::vector<char>& fixed,
                      const std::vector<double>& x, std::vector<double>& to) {
+    if (H_.in_half()) return false;  // whose parts take part in no product
     gradient(E, x);
     E.hessian(x, kind, H_);
     NewtonResult counts;

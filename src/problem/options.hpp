@@ -1,11 +1,13 @@
 // What can be chosen for a problem and its solution: numbers and kinds, no paths and no texts. A deck has them as keys
 // of the same names (deck/deck_keys.cpp says what each means).
 #pragma once
+#include <limits>
 #include <optional>
 
 #include "constraint/target.hpp"
 #include "energy/options.hpp"
 #include "linalg/linear_solver.hpp"
+#include "mesh/periodic.hpp"
 #include "method/schedule.hpp"
 #include "method/step_control.hpp"
 
@@ -71,6 +73,13 @@ inline DistortionParams distortion_of(const ProblemOptions& options) {  // but f
     const double usual = minimax ? 0 : options.method.algorithm == Algorithm::adaptive ? 0.5 : 1;
     params.weight_exponent = options.weight_exponent.value_or(usual);
     if (!minimax) params.power.p = options.power.value_or(params.power.p);
+    return params;
+}
+
+// More than to solve systems is done with a mesh's Hessian where it is moved in time, and where it has pairs.
+inline LinearSolverParams linear_of(const ProblemOptions& options, const PeriodicPairs& pairs) {
+    LinearSolverParams params = options.linear;
+    if (options.in_time || !pairs.pairs.empty()) params.half_from_blocks = std::numeric_limits<double>::infinity();
     return params;
 }
 

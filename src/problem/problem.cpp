@@ -263,7 +263,7 @@ void discretise(const ProblemSetup& setup, Problem& problem) {
     check_split(setup, problem.base);
     const int degree = setup.degree ? setup.degree : problem.base.degree;
     check_quadrature(setup.distortion.exactness, problem.base, std::max(degree, problem.base.degree));
-    check_memory(problem.base, degree, setup.refine, setup.linear, available_memory());
+    check_memory(problem.base, degree, setup.refine, linear_of(setup, {}), available_memory());
     read_motions(setup, problem);
     problem.level = discretise(problem, setup.refine, degree, problem.level_placed, problem.target);
     problem.pairs = problem.level->pairs;
@@ -324,7 +324,7 @@ void set_functional(const ProblemOptions& options, const Problem& problem, const
     distortion.regular = problem.regular;
     level.energy = make_energy(problem, level, distortion);
     level.energy->order_hessian([&](const BlockCsr& pattern) {
-        return sweep_order(pattern, level.mesh.dim, options.linear, vertex_interpolation(level.mesh));
+        return sweep_order(pattern, level.mesh.dim, linear_of(options, level.pairs), vertex_interpolation(level.mesh));
     });
     set_constraint(options, problem, target, placed, level);
 }

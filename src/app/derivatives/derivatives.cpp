@@ -176,7 +176,8 @@ ExitCode differentiate(const std::vector<std::string>& arguments, std::FILE* out
     if (arguments.size() < 2 || (adjoint && files.empty()))
         throw UsageError(command, " takes a deck and files of vectors at nodes: almesh ", command,
                          adjoint ? " DECK dJ-dx.csv [...] [key=value ...]" : " DECK [dg.csv ...] [key=value ...]");
-    const Deck deck = read_deck(arguments[1], settings);
+    Deck deck = read_deck(arguments[1], settings);
+    deck.linear.half_from_blocks = std::numeric_limits<double>::infinity();  // the Hessian takes part in products
     if (files.empty() && deck.constants.empty())
         throw UsageError(command, ": nothing to differentiate by: give files of velocities of the boundary, or the "
                          "deck constants, `let NAME = NUMBER`");

@@ -3,7 +3,6 @@
 #include "linalg/krylov/coarse_correction.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "base/index.hpp"
@@ -12,92 +11,84 @@
 namespace almesh {
 namespace {
 
-constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
-
 // Of the coarse solve, whichever comes first. A better one hardly saves iterations, and costs the more the lower the
 // degree is.
 constexpr int most_iterations = 4;
 constexpr double coarse_tolerance = 0.1;
 
-// Coarse unknowns are neighbours in E where rows that they interpolate to are in A.
-BlockCsr coarse_pattern(const BlockCsr& A, const Interpolation& P) {
-    std::vector<int> row_of;  // of each entry of P
-    for (int i = 0; i < P.rows(); ++i) row_of.insert(row_of.end(), P.row[i + 1] - P.row[i], i);
-    const Groups entries = sorted_by_group(P.col, P.columns);
-    BlockCsr E{P.columns, A.d, {0}};
-    std::vector<int> seen(P.columns, -1);
-    for (int c = 0; c < P.columns; ++c) {
-        const std::size_t first = E.col.size();
-        for (const int entry : entries.of(c)) {
-            const int i = row_of[entry];
-            for (int k = A.row[i]; k < A.row[i + 1]; ++k)
-                for (int l = P.row[A.col[k]]; l < P.row[A.col[k] + 1]; ++l) {
-                    if (seen[P.col[l]] == c) continue;
-                    seen[P.col[l]] = c;
-                    E.col.push_back(P.col[l]);
-                }
+// The columns of each row of A P, ascending.
+std::vector<std::vector<int>> product_pattern(const BlockCsr& A, const Interpolation& P) {
+    std::vector<std::vector<int>> columns(A.n);
+    const auto add = [&](int j, std::vector<int>& row) {
+        for (int l = P.row[j]; l < P.row[j + 1]; ++l)
+            if (std::find(row.begin(), row.end(), P.col[l]) == row.end()) row.push_back(P.col[l]);
+    };
+    for (int i = 0; i < A.n; ++i) {
+        add(i, columns[i]);
+        for (int k = A.row[i]; k < A.row[i + 1]; ++k) {
+            add(A.col[k], columns[i]);
+            if (A.in_half()) add(i, columns[A.col[k]]);
         }
-        std::sort(E.col.begin() + static_cast<std::ptrdiff_t>(first), E.col.end());
-        E.row.push_back(E.blocks());
     }
-    E.value.assign(E.col.size() * E.d * E.d, 0.0);
-    return E;
+    for (std::vector<int>& row : columns) std::sort(row.begin(), row.end());
+    return columns;
+}
+
+// Coarse unknowns are neighbours in E where rows that they interpolate to are in A.
+BlockCsr coarse_pattern(const std::vector<std::vector<int>>& AP, const Interpolation& P, int d) {
+    std::vector<int> pairs;
+    for (int i = 0; i < P.rows(); ++i)
+        for (int l = P.row[i]; l < P.row[i + 1]; ++l)
+            for (const int column : AP[i])
+                if (column > P.col[l]) pairs.insert(pairs.end(), {P.col[l], column});
+    return matrix_of_cells(P.columns, d, pairs, 2);
+}
+
+// row += B P_j, B transposed or not; the block in column c is row[place_of(c) d d ...].
+template <int d, class From, class PlaceOf, class To>
+void add_product(const From* B, bool transposed, const Interpolation& P, int j, const PlaceOf& place_of, To* row) {
+    for (int l = P.row[j]; l < P.row[j + 1]; ++l) {
+        To* const to = row + offset(place_of(P.col[l]), d * d);
+        const double weight = P.weight[l];
+        for (int e = 0; e < d * d; ++e) to[e] += static_cast<To>(weight * B[transposed ? e % d * d + e / d : e]);
+    }
 }
 
 }  // namespace
 
-CoarseCorrection::CoarseCorrection(const BlockCsr& pattern, Interpolation P, const MakePreconditioner& make)
-    : P_(std::move(P)),
-      E_(coarse_pattern(pattern, P_)),
-      M_(make(E_)),
-      iteration_(E_.size(), {most_iterations, coarse_tolerance}) {
-    const std::vector<char> interpolates = find_pattern(pattern);
-    const int block = E_.d * E_.d;
-    std::size_t size = 0;
-    for (std::size_t place = 0; place < coarse_.size(); ++place) {
-        E_start_.push_back(interpolates[place] ? size : none);
-        if (interpolates[place]) size += offset(E_.row[coarse_[place] + 1] - E_.row[coarse_[place]], block);
-    }
-    E_part_.resize(size);
-    V_.resize(V_local_.size() * block + 3, 0.0f);  // load() of a row reads beyond the last block
-    touching_ = sorted_by_group(coarse_, P_.columns);
-    sum_.resize(coarse_.size());
-    c_part_.resize(coarse_.size());
-}
+CoarseCorrection::CoarseCorrection(const BlockCsr& pattern, const Interpolation& P, const MakePreconditioner& make)
+    : CoarseCorrection(product_pattern(pattern, P), P, pattern.d, make) {}
 
-// The pattern of V; for each place in coarse_, whether a row of the part has its column in P.
-std::vector<char> CoarseCorrection::find_pattern(const BlockCsr& pattern) {
-    std::vector<int> local(P_.columns, -1), last_row(P_.columns, -1), in_row;
-    std::vector<char> interpolates;
+CoarseCorrection::CoarseCorrection(const Columns& AP, const Interpolation& P, int d, const MakePreconditioner& make)
+    : P_(P), E_(coarse_pattern(AP, P_, d)), M_(make(E_)), iteration_(E_.size(), {most_iterations, coarse_tolerance}) {
+    std::vector<int> local(P_.columns, -1);
     for (int part = 0; part < parts; ++part) {
         const int first = static_cast<int>(coarse_.size());
         const auto local_of = [&](int column) {
             if (local[column] < first) {
                 local[column] = static_cast<int>(coarse_.size());
                 coarse_.push_back(column);
-                interpolates.push_back(0);
             }
             return local[column] - first;
         };
         for (int i = begin_of(part); i < begin_of(part + 1); ++i) {
-            for (int l = P_.row[i]; l < P_.row[i + 1]; ++l) {
-                P_local_.push_back(local_of(P_.col[l]));
-                interpolates[first + P_local_.back()] = 1;
-            }
-            in_row.clear();
-            for (int k = pattern.row[i]; k < pattern.row[i + 1]; ++k)
-                for (int l = P_.row[pattern.col[k]]; l < P_.row[pattern.col[k] + 1]; ++l) {
-                    if (last_row[P_.col[l]] == i) continue;
-                    last_row[P_.col[l]] = i;
-                    in_row.push_back(P_.col[l]);
-                }
-            std::sort(in_row.begin(), in_row.end());
-            for (const int column : in_row) V_local_.push_back(local_of(column));
+            for (int l = P_.row[i]; l < P_.row[i + 1]; ++l) P_local_.push_back(local_of(P_.col[l]));
+            for (const int column : AP[i]) V_local_.push_back(local_of(column));
             V_row_.push_back(static_cast<int>(V_local_.size()));
         }
         touched_start_.push_back(static_cast<int>(coarse_.size()));
     }
-    return interpolates;
+    const int block = E_.d * E_.d;
+    std::size_t size = 0;
+    for (const int column : coarse_) {
+        E_start_.push_back(size);
+        size += offset(E_.row[column + 1] - E_.row[column], block);
+    }
+    E_part_.resize(size);
+    V_.resize(V_local_.size() * block + 3, 0.0f);  // load() of a row reads beyond the last block
+    touching_ = sorted_by_group(coarse_, P_.columns);
+    sum_.resize(coarse_.size());
+    c_part_.resize(coarse_.size());
 }
 
 // The rows of V and what they add to E.
@@ -109,20 +100,14 @@ void CoarseCorrection::multiply_out(const BlockCsr& A, const double* C_inverse, 
     thread_local std::vector<double> AP;  // the row; both kept between calls
     place.resize(P_.columns);
     for (int t = touched_start_[part]; t < touched_start_[part + 1]; ++t)
-        if (E_start_[t] != none)
-            std::fill_n(E_part_.data() + E_start_[t], offset(E_.row[coarse_[t] + 1] - E_.row[coarse_[t]], block), 0.0);
+        std::fill_n(E_part_.data() + E_start_[t], offset(E_.row[coarse_[t] + 1] - E_.row[coarse_[t]], block), 0.0);
     for (int i = begin_of(part); i < begin_of(part + 1); ++i) {
         const int first = V_row_[i], count = V_row_[i + 1] - first;
         AP.assign(offset(count, block), 0.0);
         for (int k = 0; k < count; ++k) place[coarse[V_local_[first + k]]] = k;
-        for (int k = A.row[i]; k < A.row[i + 1]; ++k) {
-            const double* const from = A.block(k);
-            for (int l = P_.row[A.col[k]]; l < P_.row[A.col[k] + 1]; ++l) {
-                double* const to = AP.data() + offset(place[P_.col[l]], block);
-                const double weight = P_.weight[l];
-                for (int e = 0; e < block; ++e) to[e] += weight * from[e];
-            }
-        }
+        if (A.in_half()) std::copy_n(V_.data() + offset(first, block), AP.size(), AP.data());
+        for (int k = A.row[i]; k < A.row[i + 1] && !A.in_half(); ++k)
+            add_product<d>(A.block(k), false, P_, A.col[k], [](int column) { return place[column]; }, AP.data());
         for (int l = P_.row[i]; l < P_.row[i + 1]; ++l) {
             const int row = P_.col[l];
             double* const E_row = E_part_.data() + E_start_[touched_start_[part] + P_local_[l]];
@@ -144,14 +129,36 @@ void CoarseCorrection::multiply_out(const BlockCsr& A, const double* C_inverse, 
     }
 }
 
+void CoarseCorrection::multiply_half(const BlockCsr& A, int begin, int end) {
+    with_block_size(A.d, [&](auto d) {
+        std::fill_n(V_.data() + offset(V_row_[begin], d * d), offset(V_row_[end] - V_row_[begin], d * d), 0.0f);
+        const auto add = [&](const auto* B, int i, int part, int j, bool transposed) {
+            const auto place_of = [&](int column) {
+                int k = V_row_[i];
+                while (coarse_[touched_start_[part] + V_local_[k]] != column) ++k;
+                return k;
+            };
+            add_product<d>(B, transposed, P_, j, place_of, V_.data());
+        };
+        for (int i = begin, part = 0; i < end; ++i) {
+            while (i >= begin_of(part + 1)) ++part;
+            add(A.diagonal(i), i, part, i, false);
+            for (int k = A.row[i], other = 0; k < A.row[i + 1]; ++k) {
+                while (A.col[k] >= begin_of(other + 1)) ++other;
+                add(A.block_below(k), i, part, A.col[k], false);
+                add(A.block_below(k), A.col[k], other, i, true);
+            }
+        }
+    });
+}
+
 template <int d>
 void CoarseCorrection::add_up_coarse(int row) {
     double* const to = E_.block(E_.row[row]);
     const std::size_t size = offset(E_.row[row + 1] - E_.row[row], d * d);
     std::fill_n(to, size, 0.0);
     for (const int place : touching_.of(row))
-        if (E_start_[place] != none)
-            for (std::size_t e = 0; e < size; ++e) to[e] += E_part_[E_start_[place] + e];
+        for (std::size_t e = 0; e < size; ++e) to[e] += E_part_[E_start_[place] + e];
 }
 
 FactorResult CoarseCorrection::factor(const BlockCsr& A, const double* C_inverse) {

@@ -32,7 +32,11 @@ public:
     using MakePreconditioner = std::function<std::unique_ptr<Preconditioner>(const BlockCsr& E)>;
 
     // pattern: of all matrices to come, symmetric with both triangles and the diagonal. P: pattern.n rows.
-    CoarseCorrection(const BlockCsr& pattern, Interpolation P, const MakePreconditioner& make);
+    CoarseCorrection(const BlockCsr& pattern, const Interpolation& P, const MakePreconditioner& make);
+
+    // Where half of A is stored, before factor(), which then asks for the diagonal of A only: adds up A P in the rows
+    // begin .. end-1 and, as far as these take part, in those before them, which have had their turn.
+    void multiply_half(const BlockCsr& A, int begin, int end);
 
     // C_inverse: d x d per row, lower triangular. not_positive_definite: a pivot of E is not positive, and so A is not
     // positive definite.
@@ -49,7 +53,9 @@ public:
 private:
     static constexpr int parts = 16;  // of the rows, for sums that do not depend on the number of threads
 
-    std::vector<char> find_pattern(const BlockCsr& pattern);
+    using Columns = std::vector<std::vector<int>>;  // of each row of A P
+
+    CoarseCorrection(const Columns& AP, const Interpolation& P, int d, const MakePreconditioner& make);
     template <int d>
     void multiply_out(const BlockCsr& A, const double* C_inverse, int part);
     template <int d>
@@ -71,7 +77,7 @@ private:
     std::vector<int> P_local_;                // the columns of P as the part of the row numbers them
     std::vector<int> V_row_{0}, V_local_;     // offsets of the rows of V; its columns, ascending, in the same way
     LargeVector<float> V_;                    // d*d per block, row-major
-    std::vector<std::size_t> E_start_;        // for each place in coarse_: its row in E_part_, or none
+    std::vector<std::size_t> E_start_;        // for each place in coarse_: its row in E_part_
     LargeVector<double> E_part_;              // what the rows of a part add to E
     Groups touching_;                         // places in coarse_ of each coarse unknown
     std::vector<Four> sum_, c_part_;          // for each place in coarse_: P'r - V'y of the part; c

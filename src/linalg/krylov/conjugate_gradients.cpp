@@ -19,9 +19,10 @@ double Preconditioner::apply_and_multiply(const BlockCsr& A, const double* r, do
     return rz;
 }
 
-// r = b - A x; returns |r|.
+// r = b - A x; returns |r|. Where half of A is stored, the r at hand: A is what the preconditioner has made of it.
 double ConjugateGradients::residual(const BlockCsr& A, const double* b, const double* x) {
     return std::sqrt(true_rr_([&](int i, int count) {
+        if (A.in_half()) return dot_of_piece(count, r_.data() + i, r_.data() + i);
         multiply_rows(A, i / A.d, (i + count) / A.d, x, q_.data());
         for (int k = i; k < i + count; ++k) r_[k] = b[k] - q_[k];
         return dot_of_piece(count, r_.data() + i, r_.data() + i);
@@ -90,7 +91,8 @@ SolveStatus ConjugateGradients::cycle(const BlockCsr& A, Preconditioner& M, Prod
         if (now.is_indefinite) return SolveStatus::not_positive_definite;
         ++iterations;
         pAp = now.zAz + beta * zq;
-        if (!(pAp > 0)) {  // z has done its part where products are put off; elsewhere A p takes the place of A z
+        if (!(pAp > 0) && !A.in_half()) {
+            // z has done its part where products are put off; elsewhere A p takes the place of A z
             const bool puts_off = M.puts_off_products();
             pAp = curvature(A, puts_off ? z_.data() : Az_.data());
             if (!puts_off) beta = 0;

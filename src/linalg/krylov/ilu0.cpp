@@ -64,6 +64,11 @@ public:
 
     FactorResult factor(const BlockCsr& A) override {
         FactorResult result{SolveStatus::indefinite_preconditioner};
+        if (A.in_half()) L_ = A.below->data();
+        if (A.in_half() && correction_) {
+            parallel_tasks(domains(), true, [&](int k) { correction_->multiply_half(A, start_[k], start_[k + 1]); });
+            correction_->multiply_half(A, start_.back(), rows());
+        }
         const auto succeeds = [&](double diagonal_shift, bool ssor) {
             result.diagonal_shift = diagonal_shift;
             result.ssor = ssor;
@@ -97,13 +102,16 @@ private:
 
     int rows() const { return static_cast<int>(row_.size()) - 1; }
     int domains() const { return static_cast<int>(start_.size()) - 1; }
-    const float* L(int k) const { return L_.data() + offset(k, block); }
+    const float* L(int k) const { return L_ + offset(k, block); }
     const double* C_inverse(int i) const { return C_inverse_.data() + offset(i, block); }
 
     void find_pattern(const BlockCsr& pattern) {
         for (int i = 0; i < pattern.n; ++i) {
-            for (int k = pattern.row[i]; pattern.col[k] < i; ++k) col_.push_back(pattern.col[k]);
-            row_.push_back(static_cast<int>(col_.size()));
+            int end = pattern.row[i];
+            for (; end < pattern.row[i + 1] && pattern.col[end] < i; ++end)
+                if (!pattern.in_half()) own_col_.push_back(pattern.col[end]);
+            row_.push_back(row_.back() + end - pattern.row[i]);
+            col_ = pattern.in_half() ? pattern.col.data() : own_col_.data();
             longest_ = std::max(longest_, row_[i + 1] - row_[i]);
             for (int k = row_[i]; sweeps_ != Sweeps::ssor && k < row_[i + 1]; ++k) {
                 for (int a = row_[i], b = row_[col_[k]]; a < k && b < row_[col_[k] + 1];) {
@@ -115,7 +123,8 @@ private:
                 term_start_.push_back(term_.size());
             }
         }
-        L_.resize(col_.size() * block + 3, 0.0f);  // load() of a row reads beyond the last block
+        own_L_.resize(own_col_.size() * block + 3, 0.0f);  // load() of a row reads beyond the last block
+        L_ = own_L_.data();
         T_.resize(start_.size() * longest_ * block);
     }
 
@@ -151,8 +160,10 @@ private:
     // first bad row, or -1.
     int factor_rows(const BlockCsr& A, double diagonal_shift, bool ssor, int begin, int end, double* T) {
         for (int i = begin; i < end; ++i) {
-            const double* const Ai = A.block(A.row[i]);  // as many blocks as L has in this row, then the diagonal one
             const int first = row_[i], count = row_[i + 1] - first;
+            if (A.in_half()) std::copy_n(L(first), count * block, T);
+            const double* const Ai = A.in_half() ? T : A.block(A.row[i]);  // as many blocks as L has in this row,
+            const double* const Aii = A.in_half() ? A.diagonal(i) : Ai + count * block;  // then the diagonal one
             // T_ij = C_i L_ij, from A_ij = sum over k < j of T_ik L_jk' C_j' + T_ij C_j'
             for (int k = 0; k < count; ++k) {
                 double Tj[block] = {};
@@ -164,7 +175,7 @@ private:
                 std::copy_n(Tj, block, T + k * block);
             }
             double D[block];
-            for (int e = 0; e < block; ++e) D[e] = Ai[count * block + e] * (1 + diagonal_shift);
+            for (int e = 0; e < block; ++e) D[e] = Aii[e] * (1 + diagonal_shift);
             for (int k = 0; k < count && !ssor; ++k) subtract_product_transposed<d>(T + k * block, T + k * block, D);
             double* const inverse = C_inverse_.data() + offset(i, block);
             if (!inverse_of_cholesky<d>(D, inverse)) return i;
@@ -174,7 +185,7 @@ private:
                 for (int r = 0; r < d; ++r)
                     for (int s = 0; s <= r; ++s)
                         for (int c = 0; c < d; ++c) Lk[r * d + c] += inverse[r * d + s] * T[k * block + s * d + c];
-                std::copy_n(Lk, block, L_.data() + offset(first + k, block));
+                std::copy_n(Lk, block, L_ + offset(first + k, block));
             }
         }
         return -1;
@@ -257,7 +268,7 @@ private:
         for (int a = 0; a < d; ++a) entry[a] = Four{} + w[a];
         for (int k = begin; k < end; ++k) {
             __builtin_prefetch(L(k) - prefetched);  // rows go backwards, which the hardware does not foresee
-            __builtin_prefetch(col_.data() + k - prefetched / block);
+            __builtin_prefetch(col_ + k - prefetched / block);
             Four row, product;
             load(L(k), row);
             product = row * entry[0];
@@ -386,7 +397,8 @@ private:
     Sweeps sweeps_;
     std::unique_ptr<CoarseCorrection> correction_;
     std::vector<int> row_{0};                 // n + 1 offsets into col_
-    std::vector<int> col_;                    // block columns of L, ascending in a row: the first of the row of A
+    std::vector<int> own_col_;
+    const int* col_ = nullptr;                // block columns of L, ascending in a row: the first of the row of A
     struct Term {
         int left, right;                      // of a product T_ij' L_kj': its block of the row of T, from 0, and of L
     };
@@ -403,7 +415,8 @@ private:
         int begin;                            // its blocks in columns of separators: up to the next row
     };
     std::vector<SeparatorRow> separator_row_; // one more than rows
-    LargeVector<float> L_;                    // d*d per block, row-major
+    LargeVector<float> own_L_;
+    float* L_ = nullptr;                      // d*d per block, row-major; col_ and L_ are A's where half is stored
     std::vector<double> C_inverse_;           // d*d per row, lower triangular
     std::vector<double> C_diagonal_;          // d per row
     std::vector<Four> y_;                     // n: (I + L) y = C^{-1} r, d entries each and zeros

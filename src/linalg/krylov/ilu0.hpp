@@ -19,7 +19,8 @@
 // half the bytes.
 // Cost: O(sum over rows of neighbours^2 d^3) to factor, two passes over L to apply. Memory: L, half a matrix in single
 // precision, and 8 bytes per triangle (3-clique) of the graph: little for linear elements, more than the matrix for
-// those of degree 6 and 7.
+// those of degree 6 and 7. Of a matrix of which half is stored SSOR makes L in the place of
+// the blocks below the diagonal.
 #pragma once
 #include <memory>
 #include <vector>
@@ -40,10 +41,11 @@ enum class Sweeps {
 // Its factor() ends as indefinite_preconditioner where a pivot block is not positive definite or not finite, with every
 // shift; as not_positive_definite where the correction's matrix is not, and so A is not.
 //
-// pattern: symmetric with both triangles and the diagonal, d = 1, 2, 3. start: domain k has the rows start[k] ..
-// start[k+1]-1 and the separators those from start.back() on; no edge may join two domains. Empty: all is one domain.
-// diagonal_shifts: what is factored is A with its diagonal blocks times 1 + shift, for the first of these shifts that
-// gives positive pivots; SSOR takes none. correction: between the sweeps of Sweeps::ssor, or null.
+// pattern: symmetric with both triangles and the diagonal, d = 1, 2, 3; or half of it, with Sweeps::ssor, which
+// must outlive this. start: domain k has the rows start[k] .. start[k+1]-1 and the separators those from start.back()
+// on; no edge may join two domains. Empty: all is one domain. diagonal_shifts: what is factored is A with its diagonal
+// blocks times 1 + shift, for the first of these shifts that gives positive pivots; SSOR takes none. correction:
+// between the sweeps of Sweeps::ssor, or null.
 std::unique_ptr<Preconditioner> make_ilu0(const BlockCsr& pattern, std::vector<int> start = {},
                                           std::vector<double> diagonal_shifts = {0}, Sweeps sweeps = Sweeps::ilu0,
                                           std::unique_ptr<CoarseCorrection> correction = nullptr);

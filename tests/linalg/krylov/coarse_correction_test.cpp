@@ -131,11 +131,12 @@ struct CubeHessian {
     BlockCsr H;
     std::vector<double> b;
 
-    explicit CubeHessian(int degree, int k = 6)
+    explicit CubeHessian(int degree, int k = 6, double half_from_blocks = 1e9)
         : problem(raise_degree(cube_mesh(k), degree), {{"bottom", "fixed"}, {"top", "fixed"}, {"sides", "fixed"}},
                   Objective::squared) {
         problem.distortion.order_hessian([&](const BlockCsr& pattern) {
-            return sweep_order(pattern, 3, {.kind = SolverKind::cg}, vertex_interpolation(problem.mesh));
+            return sweep_order(pattern, 3, {.kind = SolverKind::cg, .half_from_blocks = half_from_blocks},
+                               vertex_interpolation(problem.mesh));
         });
         H = problem.distortion.hessian_pattern();
         problem.functional(100).hessian(problem.ideal, HessianKind::full, H);
@@ -278,4 +279,56 @@ TEST_CASE("the interpolation goes with the order of the rows, and no domain's ve
     };
     for (int c = 0; c < P.columns; ++c)
         CHECK(domain(order.vertex_start, c) == domain(order.start, order.row[node[c]]));
+}
+
+TEST_CASE("half of the matrix: the same solution in no more iterations, and the same bits for any number of threads") {
+    const CubeHessian whole(4, 3), half(4, 3, 0);
+    REQUIRE_FALSE(whole.H.in_half());
+    REQUIRE(half.H.in_half());
+    CHECK(2 * half.H.blocks() + half.H.n == whole.H.blocks());
+    std::vector<double> x, first;
+    const SolveResult of_whole = whole.solve(PreconditionerKind::automatic, x);
+    const LargeVector<float> below = *half.H.below;  // the preconditioner takes its place
+    const int threads_before = max_threads();
+    for (int threads : {1, 2, 3, 5}) {
+        set_threads(threads);
+        *half.H.below = below;
+        std::vector<double> y;
+        const SolveResult of_half = half.solve(PreconditionerKind::automatic, y);
+        REQUIRE(of_half.status == SolveStatus::success);
+        CHECK(of_half.preconditioner == PreconditionerKind::pmg);
+        CHECK(of_half.relative_residual <= 1e-8);
+        CHECK(of_half.iterations <= of_whole.iterations);
+        CHECK(max_difference(y, x) < single * norm_inf(x));
+        if (first.empty()) first = y;
+        CHECK(y == first);
+    }
+    set_threads(threads_before);
+}
+
+TEST_CASE("half of a matrix that is not positive definite is found out: by a block, or by conjugate gradients") {
+    CubeHessian half(4, 3, 0);
+    std::vector<double> x;
+    SUBCASE("what is beside the diagonal is too large") {
+        for (float& entry : *half.H.below) entry *= 4;
+        CHECK(half.solve(PreconditionerKind::automatic, x).status == SolveStatus::not_positive_definite);
+    }
+    SUBCASE("a block of the diagonal is negative") {
+        *half.H.diagonal(7) = -1;
+        const SolveResult result = half.solve(PreconditionerKind::automatic, x);
+        CHECK(result.status == SolveStatus::indefinite_preconditioner);
+        CHECK(result.bad_node == half.H.node_of(7));
+    }
+}
+
+TEST_CASE("half of a matrix is stored where rows are long, there are many, and nothing else than pmg may solve it") {
+    const LinearSolverParams usual;
+    CHECK(stores_half(3e5, 1.6e7, 3, usual));
+    CHECK_FALSE(stores_half(3e5, 1.6e7, 2, usual));
+    CHECK_FALSE(stores_half(2e5, 1.1e7, 3, usual));
+    CHECK_FALSE(stores_half(1e6, 2.8e7, 3, usual));  // tetrahedra of degree 2
+    CHECK_FALSE(stores_half(3e5, 1.6e7, 3, {.kind = SolverKind::cholesky}));
+    CHECK_FALSE(stores_half(3e5, 1.6e7, 3, {.kind = SolverKind::gmres}));
+    CHECK_FALSE(stores_half(3e5, 1.6e7, 3, {.preconditioner = PreconditionerKind::ssor}));
+    CHECK_FALSE(stores_half(3e5, 1.6e7, 3, {.ordering = Ordering::natural}));
 }
