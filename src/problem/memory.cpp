@@ -6,7 +6,6 @@
 #include "problem/memory.hpp"
 
 #include <algorithm>
-#include <climits>
 #include <cmath>
 #include <map>
 #include <string>
@@ -100,16 +99,19 @@ double bytes_of(const Counts& of, const LinearSolverParams& linear) {
     const double d = of.dim, unknowns = d * of.nodes, block = d * d * number;
     const double of_mesh = 2 * of.places * index + of.nodes * (3 * d * number + 24) + 40 * of.elements +
                            3 * of.samples * d * number;
-    const double of_energy = (of.places + of.entries + of.blocks) * index + of.elements * (block + 4 * number) +
-                             max_threads() * most_lanes * of.batch * block;
-    const double hessian = of.blocks * (block + index), vectors = 18 * unknowns * number;
+    const bool half = stores_half(of.nodes, of.blocks, of.dim, linear);
+    const double below = (of.blocks - of.nodes) / 2, stored = half ? below : of.blocks;
+    const double of_energy = (of.places + (half ? 0.5 : 1) * of.entries + stored) * index +
+                             of.elements * (block + 4 * number) + max_threads() * most_lanes * of.batch * block;
+    const double hessian = stored * (half ? d * d * single + index : block + index) + (half ? of.nodes * block : 0);
+    const double vectors = 18 * unknowns * number;
     const double factor = of.dim == 2 ? 80 * unknowns * std::log2(unknowns + 2) : 450 * std::pow(unknowns, 4.0 / 3);
-    double solver = bytes_of_sweeps(d, of.nodes, of.blocks);
-    if (!iterates(static_cast<int>(std::min(unknowns, 1.0 * INT_MAX)), of.dim, linear)) solver = factor;
+    double solver = bytes_of_sweeps(d, of.nodes, of.blocks) - (half ? below * (d * d * single + index) : 0);
+    if (!iterates(unknowns, of.dim, linear)) solver = factor;
     else if (of.degree == 1) solver += bytes_of_deflation(d, of.nodes, of.blocks);
     else  // V, E and its parts, which overlap, and what E is preconditioned by
         solver += of.blocks_with_vertices * (d * d * single + index) + 60 * of.nodes + 100 * of.vertices +
-                  of.blocks_of_vertices * (2 + 16 * std::pow(of.vertices, -1 / d)) * block +
+                  of.blocks_of_vertices * (2 + 28 * std::pow(of.vertices, -1 / d)) * block +
                   bytes_of_sweeps(d, of.vertices, of.blocks_of_vertices) +
                   bytes_of_deflation(d, of.vertices, of.blocks_of_vertices);
     constexpr double besides = 1.08;  // what was not counted, and what is freed and stays with the program

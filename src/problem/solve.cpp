@@ -279,7 +279,7 @@ Solution solve_as_needed(const ProblemSetup& setup, Problem& problem, const Whol
                                                 : solve_one(setup, problem);
     solution.al.earlier_newton_iterations += newton_steps - solution.newton_steps();
     if (problem.curves_in_place || improves) solution.time.total = watch.seconds();
-    solution.predicted_bytes = predicted_bytes(problem.mesh(), setup.linear);
+    solution.predicted_bytes = predicted_bytes(problem.mesh(), linear_of(setup, problem.pairs));
     return solution;
 }
 

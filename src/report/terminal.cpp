@@ -22,8 +22,12 @@ void print_mesh(std::FILE* out, const Deck& deck, const Problem& problem) {
     for (const std::string& note : problem.notes) print(out, "note: ", note, "\n");
     if (!deck.sweeps.empty()) std::fprintf(out, "note: one run, without the lines `sweep`: almesh sweep runs all\n");
     constexpr double worth_telling = 0.5e9;  // bytes
-    const double bytes = deck.frames.empty() ? predicted_bytes(mesh, deck.linear) : 0;
-    if (bytes > worth_telling) std::fprintf(out, "about %.2g GB of memory will be needed\n", bytes / 1e9);
+    const LinearSolverParams linear = linear_of(deck, problem.pairs);
+    const double bytes = deck.frames.empty() ? predicted_bytes(mesh, linear) : 0;
+    const bool half = stores_half(mesh.nodes(), hessian_blocks(mesh), mesh.dim, linear);
+    if (bytes > worth_telling)
+        std::fprintf(out, "about %.2g GB of memory will be needed%s\n", bytes / 1e9,
+                     half ? ", with half of the Hessian in single precision" : "");
     std::fflush(out);
 }
 

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -33,10 +34,11 @@ TEST_CASE("the blocks of the Hessian are counted as its pattern has them, in eve
 namespace {
 
 // The run's arrays at its first Newton step, when all of them are there, over what is predicted for them.
-double arrays_over_prediction(const Mesh& base, int degree, const std::string& solver) {
-    const Deck deck = parse_deck(concat("mesh = none.msh\nthreads = 1\ndegree = ", degree, "\nsolver = ", solver,
+double arrays_over_prediction(const Mesh& base, int degree, const std::string& solver, double half_from_blocks = 1e9) {
+    Deck deck = parse_deck(concat("mesh = none.msh\nthreads = 1\ndegree = ", degree, "\nsolver = ", solver,
                                         "\nboundary all = rotate 10", base.dim == 3 ? " axis 0 0 1\n" : "\n"),
                                  "a.deck");
+    deck.linear.half_from_blocks = half_from_blocks;
     const double before = allocated();
     Problem problem = make_problem(deck, {base});
     set_functional(deck, problem);
@@ -84,6 +86,10 @@ TEST_CASE("what a run allocates is predicted to a fifth, for every cell and degr
                 const double ratio = arrays_over_prediction(mesh, degree, solver);
                 CHECK(ratio > 0.8);
                 CHECK(ratio < 1.2);
+                if (kind != "T" || degree < 3) continue;
+                const double of_half = arrays_over_prediction(mesh, degree, solver, 0);  // half of the Hessian
+                CHECK(of_half > 0.8);
+                CHECK(of_half < 1.2);
             }
         }
 }
@@ -97,6 +103,22 @@ TEST_CASE("more is predicted for finer meshes and higher degrees, and for the fa
     CHECK(predicted_bytes(raise_degree(cube, 2), cg) > predicted_bytes(cube, cg));
     CHECK(predicted_bytes(refine(cube, 3), cholesky) > 2 * predicted_bytes(refine(cube, 3), cg));
     CHECK(predicted_bytes(cube, {}) == predicted_bytes(cube, cholesky));  // small: so decides `automatic`
+}
+
+TEST_CASE("half of the Hessian takes a third of the memory where degrees are high") {
+    LinearSolverParams whole, half;
+    whole.kind = half.kind = SolverKind::cg;
+    half.half_from_blocks = 0;
+    whole.half_from_blocks = std::numeric_limits<double>::infinity();
+    const Mesh cube = refine(cube_mesh(4), 2);
+    const auto ratio = [&](int degree) {
+        const Mesh mesh = raise_degree(cube, degree);
+        return predicted_bytes(mesh, half) / predicted_bytes(mesh, whole);
+    };
+    CHECK(ratio(1) == 1);
+    CHECK(ratio(2) == 1);
+    CHECK(ratio(3) < 0.55);
+    CHECK(ratio(4) < 0.45);
 }
 
 TEST_CASE("a run that needs more memory than there is is refused before its mesh is made, with what fits") {
