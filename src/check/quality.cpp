@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "base/parallel.hpp"
+#include "base/table.hpp"
 #include "energy/densities.hpp"
 #include "geometry/patch.hpp"
 #include "mesh/mesh.hpp"
@@ -15,6 +16,8 @@
 
 namespace almesh {
 namespace {
+
+constexpr int bar_length = 50;  // characters of the longest bar
 
 // At the points of the quadrature: inverse Jacobians of the regular cell.
 template <int n>
@@ -80,6 +83,7 @@ QualityStatistics mesh_quality(const Mesh& mesh, const std::vector<double>& x) {
     });
     const std::vector<double>& quality = statistics.quality;
     statistics.min = quality.empty() ? 1 : *std::min_element(quality.begin(), quality.end());
+    for (double q : quality) ++statistics.histogram[std::min(9, static_cast<int>(10 * q))];
     measure_edges(mesh, x, statistics);
     return statistics;
 }
@@ -96,6 +100,19 @@ SizeSkew size_skew(const Mesh& mesh, const std::vector<double>& ideal, const std
     const int count = mesh.element_count();
     if (count == 0) return {1, 1};
     return {deterministic_sum(count, [&](int e) { return of[e]; }) / count, *std::min_element(of.begin(), of.end())};
+}
+
+std::string histogram_text(const QualityStatistics& statistics) {
+    const int most = *std::max_element(statistics.histogram.begin(), statistics.histogram.end());
+    std::string text;
+    for (int k = 0; k < 10; ++k) {
+        const int count = statistics.histogram[k];
+        // At least one mark for a bin that is not empty, so that a few bad elements are seen.
+        const int bar = count == 0 ? 0 : std::max(1, static_cast<int>(1.0 * count / most * bar_length));
+        text += concat(fixed(k / 10.0, 1), " - ", fixed((k + 1) / 10.0, 1), " ", padded(concat(count), 9),
+                       std::string(bar > 0 ? 2 : 0, ' '), std::string(bar, '#'), "\n");
+    }
+    return text;
 }
 
 }  // namespace almesh

@@ -3,6 +3,8 @@
 //
 // Cost: one Jacobian per element and quadrature point.
 #pragma once
+#include <array>
+#include <string>
 #include <vector>
 
 namespace almesh {
@@ -12,6 +14,7 @@ struct Mesh;
 struct QualityStatistics {
     std::vector<double> quality;     // per element: least 1 / eta at its quadrature points, 0 where inverted
     double min;                      // over the elements
+    std::array<int, 10> histogram;   // elements with quality in [k / 10, (k + 1) / 10), 1 in the last
     double min_edge, max_edge;       // straight distances between vertices
 };
 
@@ -27,5 +30,8 @@ struct SizeSkew {
 
 // ideal, x: node_count x dim positions.
 SizeSkew size_skew(const Mesh& mesh, const std::vector<double>& ideal, const std::vector<double>& x);
+
+// Table of the ten bins: range, number of elements, bar. One line each.
+std::string histogram_text(const QualityStatistics& statistics);
 
 }  // namespace almesh

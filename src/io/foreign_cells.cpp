@@ -290,7 +290,7 @@ void ForeignMshElements::add(int type, int line, long long count) {
 std::string ForeignMshElements::message() const {
     std::string what;
     for (const Kind& kind : kinds)
-        what += concat(what.empty() ? "" : "; ", kind.count, " elements of type ", kind.type,
+        what += concat(what.empty() ? "" : "; ", counted(kind.count, "element"), " of type ", kind.type,
                        kind.line ? concat(", the first in line ", kind.line) : "");
     return what + ": only " + readable_cells() + " of degree 1 to 7 with all their nodes are read (mesh with "
                   "Mesh.SecondOrderIncomplete = 0 and a Mesh.ElementOrder of at most 7)";

@@ -86,9 +86,9 @@ bool print_quality(std::FILE* out, const Mesh& mesh, const std::string& before, 
                    const std::string& folder) {
     const Certificate certificate = certify(mesh, mesh.x);
     const QualityStatistics shape = mesh_quality(mesh, mesh.x);
-    print(out, "shape quality 1/eta against the regular ", mesh.is_simplicial() ? "simplex" : "cell", "; edges ",
-          to_text(shape.min_edge, 4), " to ", to_text(shape.max_edge, 4), "\n\nworst elements",
-          worst_elements(mesh, certificate.certified_bound, shape.quality), "\n");
+    print(out, "\nshape quality 1/eta against the regular ", mesh.is_simplicial() ? "simplex" : "cell", "; edges ",
+          to_text(shape.min_edge, 4), " to ", to_text(shape.max_edge, 4), "\n", histogram_text(shape),
+          "\nworst elements", worst_elements(mesh, certificate.certified_bound, shape.quality), "\n");
     if (!before.empty()) {
         const std::vector<BoundaryDistance> distances = boundary_distances(mesh, came, mesh.x);
         if (distances.empty()) print(out, "\nall faces are where ", before, " has them\n");

@@ -133,6 +133,7 @@ TEST_CASE("quality of a regular triangle is one") {
     for (const char* row : {"\nscaled Jacobian                  1    1.0000        0  ",
                             "\nquality 1/eta                    1    1.0000        0  "})
         CHECK(has(outcome.out, row));
+    CHECK(has(outcome.out, "0.9 - 1.0         1"));
 }
 
 TEST_CASE("quality of a mesh with inverted elements: code 4, and the first ten by id") {

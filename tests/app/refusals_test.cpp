@@ -248,7 +248,7 @@ TEST_CASE("mesh files whose contents cannot be meant: code 2 with file and line"
     check_refused(
         run_on("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n$EndNodes\n"
                "$Elements\n2\n1 4 2 1 1 1 2 3 4\n2 99 2 1 1 1 2 3 4\n$EndElements\n"),
-        2, {"ring.msh:14: ", "1 elements of type 99, ", "mesh with Mesh.SecondOrderIncomplete = 0"});
+        2, {"ring.msh:14: ", "1 element of type 99, ", "mesh with Mesh.SecondOrderIncomplete = 0"});
 }
 
 TEST_CASE("a quadrature that cannot see the nodes inside an element: code 1, naming the line") {

@@ -29,6 +29,7 @@ TEST_CASE("regular simplices of any size have quality one") {
     CHECK(mesh_quality(triangle, triangle.x).min == doctest::Approx(1).epsilon(1e-14));
     const Mesh tetrahedron = single(3, {1, 1, 1, 1, -1, -1, -1, -1, 1, -1, 1, -1});
     CHECK(mesh_quality(tetrahedron, tetrahedron.x).min == doctest::Approx(1).epsilon(1e-14));
+    CHECK(mesh_quality(tetrahedron, tetrahedron.x).histogram[9] == 1);
 }
 
 TEST_CASE("regular prisms, pyramids and cubes have quality one, in every degree and turned") {
@@ -113,13 +114,18 @@ TEST_CASE("inverted elements have quality zero") {
     x[2 * 12] += 0.6;  // the centre node leaves its patch
     const QualityStatistics statistics = mesh_quality(mesh, x);
     CHECK(statistics.min == 0);
-    CHECK(static_cast<int>(statistics.quality.size()) == mesh.element_count());
+    CHECK(std::accumulate(statistics.histogram.begin(), statistics.histogram.end(), 0) == mesh.element_count());
     CHECK(mesh_quality(single(2, {0, 0, 1, 0, 0, 1}), {0, 0, 1, 0, 2, 0}).min == 0);
 }
 
-TEST_CASE("the shortest and the longest edge") {
+TEST_CASE("edges and the printed histogram") {
     const Mesh mesh = square_mesh(2);
     const QualityStatistics statistics = mesh_quality(mesh, mesh.x);
     CHECK(statistics.min_edge == doctest::Approx(0.5));
     CHECK(statistics.max_edge == doctest::Approx(std::sqrt(0.5)));
+    CHECK(statistics.histogram[8] == 8);
+    const std::string text = histogram_text(statistics);
+    CHECK(std::count(text.begin(), text.end(), '\n') == 10);
+    CHECK(text.find("0.8 - 0.9         8  " + std::string(50, '#') + "\n") != std::string::npos);
+    CHECK(text.find("0.9 - 1.0         0\n") != std::string::npos);
 }

@@ -254,7 +254,7 @@ TEST_CASE("damage in a binary file is named with its place") {
     begins(error_of(with_bytes(file, nodes + 4, nan)), place("$Nodes", nodes + 4) + "a coordinate nan is not a finite");
     begins(error_of(with_bytes(file, elements, int_bytes(20))),
            place("$Elements", elements + 12) +
-               "1 elements of type 20: only triangles");
+               "1 element of type 20: only triangles");
     begins(error_of(with_bytes(file, elements + 4, int_bytes(6))),
            place("$Elements", elements + 4) + "the number of elements of this type 6 is out of range");
     begins(error_of(with_bytes(file, elements + 24, int_bytes(4))),

@@ -102,10 +102,10 @@ TEST_CASE("other element types are refused together, by number and line") {
     check_refused(text, "a.msh:18: 2 elements of type 97, the first in line 18: only triangles, quadrilaterals, tetrahedra, "
                         "hexahedra, prisms and pyramids of degree 1 to 7 with all their nodes are read (mesh with "
                         "Mesh.SecondOrderIncomplete = 0 and a Mesh.ElementOrder of at most 7)");
-    check_refused(replaced(text, "8 2 2 9 1", "8 20 2 9 1 1 2 5 1 2 5"), "; 1 elements of type 20");
+    check_refused(replaced(text, "8 2 2 9 1", "8 20 2 9 1 1 2 5 1 2 5"), "; 1 element of type 20");
     check_refused(replaced(in_4_1, "1 12 1 1\n4 5 1", "3 12 99 1\n4 5 1 1 1 1 1 1 1"),
-                  "a.msh:34: 1 elements of type 99");
-    check_refused(replaced(in_2_2, "8 2 2", "8 999 2"), "a.msh:21: 1 elements of type 999");
+                  "a.msh:34: 1 element of type 99");
+    check_refused(replaced(in_2_2, "8 2 2", "8 999 2"), "a.msh:21: 1 element of type 999");
 }
 
 TEST_CASE("what is no mesh of version 1, 2.2, 4.0 or 4.1 is refused") {
