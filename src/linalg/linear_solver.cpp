@@ -57,7 +57,8 @@ Sweeps sweeps_for(const BlockCsr& pattern, const LinearSolverParams& params) {
     const bool by_choice = params.preconditioner != PreconditionerKind::automatic;
     if (by_choice) return params.preconditioner == PreconditionerKind::ilu0 ? Sweeps::ilu0 : Sweeps::ssor;
     if (params.kind == SolverKind::gmres) return Sweeps::ilu0;
-    return pattern.blocks() > long_rows * pattern.n ? Sweeps::ssor : Sweeps::ilu0_or_ssor;
+    const bool is_linear = pattern.order && pattern.order->of_vertices.columns == 0;
+    return takes_ilu0(pattern.n, pattern.blocks(), is_linear) ? Sweeps::ilu0_or_ssor : Sweeps::ssor;
 }
 
 bool takes_lower_degree(const BlockCsr& pattern, const LinearSolverParams& params) {

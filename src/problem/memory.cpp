@@ -82,15 +82,15 @@ struct Counts {
 
 constexpr double number = sizeof(double), single = sizeof(float), index = sizeof(int);
 
-// What SSOR, or ILU(0) where rows are short, takes on the blocks of these rows.
-double bytes_of_sweeps(double d, double rows, double blocks) {
-    const double products = blocks < long_rows * rows ? 12 * blocks : 0;
+// What SSOR or ILU(0) takes on the blocks of these rows.
+double bytes_of_sweeps(double d, double rows, double blocks, bool is_linear) {
+    const double products = takes_ilu0(rows, blocks, is_linear) ? 12 * blocks : 0;
     return (blocks - rows) / 2 * (d * d * single + index) + rows * (d * d + d + 8) * number + products;
 }
 
 // And deflation: the places of the blocks in A Z, which has in each row those of some three groups.
-double bytes_of_deflation(double d, double rows, double blocks) {
-    const double value = blocks < long_rows * rows ? number : single;
+double bytes_of_deflation(double d, double rows, double blocks, bool is_linear) {
+    const double value = takes_ilu0(rows, blocks, is_linear) ? number : single;
     return blocks * index + 3 * rows * (3 * index + d * d * value);
 }
 
@@ -106,14 +106,15 @@ double bytes_of(const Counts& of, const LinearSolverParams& linear) {
     const double hessian = stored * (half ? d * d * single + index : block + index) + (half ? of.nodes * block : 0);
     const double vectors = 18 * unknowns * number;
     const double factor = of.dim == 2 ? 80 * unknowns * std::log2(unknowns + 2) : 450 * std::pow(unknowns, 4.0 / 3);
-    double solver = bytes_of_sweeps(d, of.nodes, of.blocks) - (half ? below * (d * d * single + index) : 0);
+    const bool is_linear = of.degree == 1;
+    double solver = bytes_of_sweeps(d, of.nodes, of.blocks, is_linear) - (half ? below * (d * d * single + index) : 0);
     if (!iterates(unknowns, of.dim, linear)) solver = factor;
-    else if (of.degree == 1) solver += bytes_of_deflation(d, of.nodes, of.blocks);
+    else if (is_linear) solver += bytes_of_deflation(d, of.nodes, of.blocks, true);
     else  // V, E and its parts, which overlap, and what E is preconditioned by
         solver += of.blocks_with_vertices * (d * d * single + index) + 60 * of.nodes + 100 * of.vertices +
                   of.blocks_of_vertices * (2 + 28 * std::pow(of.vertices, -1 / d)) * block +
-                  bytes_of_sweeps(d, of.vertices, of.blocks_of_vertices) +
-                  bytes_of_deflation(d, of.vertices, of.blocks_of_vertices);
+                  bytes_of_sweeps(d, of.vertices, of.blocks_of_vertices, false) +
+                  bytes_of_deflation(d, of.vertices, of.blocks_of_vertices, false);
     constexpr double besides = 1.08;  // what was not counted, and what is freed and stays with the program
     return program + besides * (of_mesh + of_energy + hessian + vectors + solver);
 }
