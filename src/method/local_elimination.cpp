@@ -46,8 +46,7 @@ std::vector<double> reachable_decrease(const BlockCsr& H, const std::vector<doub
     return decrease;
 }
 
-// local: the first `count` of `rows` with `layers` of neighbours, if half of H is stored those before them; false if
-// they are more than `most`.
+// local: the first `count` of `rows` with `layers` of neighbours in H's rows; false if they are more than `most`.
 bool with_neighbours(const BlockCsr& H, const std::vector<int>& rows, int count, double most, std::vector<int>& local) {
     std::vector<char> is_local(H.n, 0);
     local.assign(rows.begin(), rows.begin() + count);
