@@ -30,13 +30,17 @@ struct ForcingTerm {
     Forcing kind = Forcing::automatic;
     double floor = 0;  // of the linear solver
     double value = 0;  // for the next system
+    double most = 1;   // in layers of thin cells, whose height the error of the solution must not exceed
 
     // Where no ratio of gradients tells how good the model is, in the first step of a subproblem and after a step that
     // was cut, 1e-4: from 1e-9 to 1e-4 the decks of the aircraft with Eq. 5 take the same numbers of steps.
-    void start() { value = kind == Forcing::fixed ? floor : std::max(1e-4, floor); }
+    void start() { value = kind == Forcing::fixed ? floor : std::max(std::min(1e-4, most), floor); }
     void after_step(double step_length, double g_before, double g, double omega) {
+        constexpr double hardly_any = 0.02, tighter = 0.01;
+        if (step_length > 0 && step_length < hardly_any) most = std::max(tighter * value, floor);
         start();
-        if (kind == Forcing::automatic && step_length >= 1) value = forcing_term(g_before, g, omega, floor);
+        if (kind == Forcing::automatic && step_length >= 1)
+            value = std::min(forcing_term(g_before, g, omega, floor), std::max(most, floor));
     }
 };
 
