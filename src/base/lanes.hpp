@@ -63,10 +63,7 @@ inline constexpr int most_lanes = 8, batches_per_row = most_lanes / lanes;
 // The sum of numbers of which `lanes` come at a time, from a multiple of most_lanes on.
 class SumOfBatches {
 public:
-    void add(Lanes batch) {
-        sum_[next_] += batch;
-        next_ = (next_ + 1) % batches_per_row;
-    }
+    void add(Lanes values, int batch) { sum_[batch % batches_per_row] += values; }
     double total() const {
         double sum = 0;
         for (const Lanes& part : sum_) sum = sum_of_lanes(part, sum);
@@ -75,7 +72,6 @@ public:
 
 private:
     Lanes sum_[batches_per_row] = {};
-    int next_ = 0;
 };
 
 // Exchanges off-diagonal blocks of `step` lanes: a_i keeps its place where bit `step` of i is 0, and b_i where it is 1.

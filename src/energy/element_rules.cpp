@@ -14,12 +14,18 @@ auto find_element(Items& items, int element) {
 
 }  // namespace
 
-ElementRules::ElementRules(const CellType& cell, int degree, int exactness)
+ElementRules::ElementRules(const CellType& cell, int degree, const DistortionParams& params, int count)
     : cell_(&cell),
-      of_pieces_(RefinedRule::of_pieces(cell, degree, exactness)),
+      of_pieces_(RefinedRule::of_pieces(cell, degree, params.exactness)),
       valid_step_(cell, degree) {
-    const Quadrature rule = element_quadrature(cell, degree, exactness);
-    common_ = std::make_shared<ElementRule>(ElementRule{reference_element(cell, degree, rule), rule.weight});
+    const auto made_of = [&](const Quadrature& rule) {
+        return std::make_shared<ElementRule>(ElementRule{reference_element(cell, degree, rule), rule.weight});
+    };
+    usual_ = plain_ = made_of(element_quadrature(cell, degree, params.exactness));
+    const bool is_smooth = params.objective != Objective::minimax && params.objective != Objective::tangled;
+    if (!cell.is_simplex() && params.exactness == 0 && params.delta == 0 && params.regular.empty() && is_smooth)
+        plain_ = made_of(plain_quadrature(cell, degree));
+    bent_.resize(has_plain() ? count : 0, 0);
 }
 
 ElementRules ElementRules::part(const std::vector<int>& place) const {
@@ -27,6 +33,9 @@ ElementRules ElementRules::part(const std::vector<int>& place) const {
     of_part.place_in_whole_ = place;
     of_part.refined_.clear();
     of_part.state_ = {};
+    of_part.bent_.clear();
+    for (const int e : place)
+        if (has_plain()) of_part.bent_.push_back(bent_[e]);
     for (const Refined& there : refined_) {
         const auto here = std::find(place.begin(), place.end(), there.element);
         if (here != place.end()) of_part.set(static_cast<int>(here - place.begin()), there.rule);
@@ -45,9 +54,9 @@ void ElementRules::set(int element, std::shared_ptr<const RefinedQuadrature> rul
     else refined->rule = std::move(rule);
 }
 
-const ElementRule& ElementRules::of(int element) const {
+const ElementRule& ElementRules::of(int element, bool usual) const {
     const RefinedQuadrature* const refined = find(element);
-    return refined ? *refined : *common_;
+    return refined ? *refined : usual || is_bent(element) ? *usual_ : *plain_;
 }
 
 bool ElementRules::certified(const std::vector<int>& nodes, int count, const std::vector<double>& x) const {
@@ -59,7 +68,7 @@ bool ElementRules::refine(const Inversion& inversion) {
     const RefinedQuadrature* const before = find(inversion.element);
     RefinedRule finer = before ? before->rule : RefinedRule(*cell_);
     if (!finer.refine(inversion.at, inversion.ratio)) return false;
-    set(inversion.element, std::make_shared<RefinedQuadrature>(std::move(finer), common().degree, of_pieces_));
+    set(inversion.element, std::make_shared<RefinedQuadrature>(std::move(finer), usual().reference.degree, of_pieces_));
     state_.refinements.push_back(inversion);
     return true;
 }
@@ -71,25 +80,38 @@ bool ElementRules::refine() {
     for (auto inversion = state_.inversions.rbegin(); inversion != state_.inversions.rend(); ++inversion) {
         if (find_element(last, inversion->element) != last.end()) continue;
         last.push_back(*inversion);
-        changed = refine(*inversion) || changed;
+        changed = bend(inversion->element) || refine(*inversion) || changed;
     }
     state_.inversions.clear();
     return changed;
 }
 
 bool ElementRules::take_over(const ElementRules& part) {
+    bool changed = !part.state_.refinements.empty();
+    for (std::size_t k = 0; k < part.bent_.size(); ++k)
+        if (part.bent_[k]) changed = bend(part.place_in_whole_[k]) || changed;
     for (Inversion inversion : part.state_.refinements) {
         const auto there = find_element(part.refined_, inversion.element);
         inversion.element = part.place_in_whole_[inversion.element];
         set(inversion.element, there->rule);
         state_.refinements.push_back(inversion);
     }
-    return !part.state_.refinements.empty();
+    return changed;
+}
+
+QuadratureState ElementRules::state() const {
+    QuadratureState all = state_;
+    for (std::size_t e = 0; e < bent_.size(); ++e)
+        if (bent_[e]) all.bent.push_back({static_cast<int>(e), {}, 1});
+    return all;
 }
 
 void ElementRules::set_state(const QuadratureState& state) {
     for (std::size_t k = state_.refinements.size(); k < state.refinements.size(); ++k) refine(state.refinements[k]);
     state_.inversions = state.inversions;
+    std::fill(bent_.begin(), bent_.end(), 0);
+    bendings_ += has_plain();
+    for (const Inversion& of : state.bent) bend(of.element);
 }
 
 }  // namespace almesh

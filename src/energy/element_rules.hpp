@@ -1,5 +1,8 @@
 // The quadrature rule of each element: one for all, and finer ones for curved elements that came near inverting.
 //
+// Of cells that are no simplices most are nearly parallelepipeds. They have a rule with few points (plain_quadrature()),
+// and those that are bent, once they are, the usual one.
+//
 // The energy sees curved elements at the points of its quadrature only. valid_fraction() tells how far a step may go
 // (valid_step.hpp), and elements that it would have inverted unseen get a finer rule (refined_rule.hpp) when refine()
 // is called, for good. The assembly of the energy asks for the rule of an element without knowing its history.
@@ -8,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "energy/options.hpp"
 #include "energy/valid_step.hpp"
 #include "mesh/quadrature.hpp"
 
@@ -20,9 +24,10 @@ struct ElementRule {
 
 struct RefinedQuadrature;  // an ElementRule, and how it was made: refined_rule.hpp
 
-// Near inversions of elements: those for which rules were refined, and those for the next refinement.
+// Near inversions of elements: those for which rules were refined, and those for the next refinement; and the elements
+// with the usual rule that had another one, anywhere in them.
 struct QuadratureState {
-    std::vector<Inversion> refinements, inversions;
+    std::vector<Inversion> refinements, inversions, bent;
 };
 
 class ElementRules {
@@ -32,12 +37,15 @@ public:
         std::shared_ptr<const RefinedQuadrature> rule;
     };
 
-    ElementRules(const CellType& cell, int degree, int exactness);
+    ElementRules(const CellType& cell, int degree, const DistortionParams& params, int count);
     // Restriction to some elements: element e there is place[e] here. It takes over their rules, but not state().
     ElementRules part(const std::vector<int>& place) const;
 
-    const ReferenceElement& common() const { return common_->reference; }
-    const ElementRule& of(int element) const;
+    const ElementRule& plain() const { return *plain_; }  // of simplices the usual one
+    const ElementRule& usual() const { return *usual_; }
+    bool is_bent(int element) const { return has_plain() && bent_[element]; }
+    int bendings() const { return bendings_; }  // changes of who is bent
+    const ElementRule& of(int element, bool usual = false) const;  // usual: as if it were bent
     const std::vector<Refined>& refined() const { return refined_; }  // elements with a finer rule, oldest first
 
     // The largest s <= 1 found so that all elements are valid along (1 - r) x + r to for 0 <= r <= s. nodes: count x m.
@@ -48,22 +56,35 @@ public:
     }
     bool certified(const std::vector<int>& nodes, int count, const std::vector<double>& x) const;
 
-    // Finer rules for the elements that steps were cut for since the last call. Whether there are any.
+    // Finer rules for the elements that steps were cut for since the last call: the usual one, or if they have it, one
+    // of their own. Whether there are any.
     bool refine();
+    // The usual rule for the elements that are bent at x. nodes: element x m. Whether there are any that were not.
+    bool refine_bent(const std::vector<int>& nodes, const std::vector<double>& x) {
+        return has_plain() && valid_step_.add_bent(nodes, x, bent_) && ++bendings_ > 0;
+    }
     // The refinements of a part since it was made. Whether there are any.
     bool take_over(const ElementRules& part);
-    const QuadratureState& state() const { return state_; }
+    QuadratureState state() const;
     void set_state(const QuadratureState& state);  // its refinements must begin with those here
 
 private:
     const CellType* cell_;
     Quadrature of_pieces_;
-    std::shared_ptr<const ElementRule> common_;
+    std::shared_ptr<const ElementRule> usual_, plain_;
     ValidStep valid_step_;
     std::vector<int> place_in_whole_;  // of a part
     std::vector<Refined> refined_;
-    QuadratureState state_;
+    std::vector<char> bent_;  // per element; empty where there is no plain rule
+    int bendings_ = 0;
+    QuadratureState state_;  // but who is bent
 
+    bool has_plain() const { return plain_ != usual_; }
+    bool bend(int element) {  // whether it was not bent
+        if (!has_plain() || bent_[element]) return false;
+        bent_[element] = 1;
+        return ++bendings_ > 0;
+    }
     bool refine(const Inversion& inversion);
     const RefinedQuadrature* find(int element) const;  // or none
     void set(int element, std::shared_ptr<const RefinedQuadrature> rule);

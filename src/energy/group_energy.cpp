@@ -32,8 +32,8 @@ std::array<double, 2> weight_exponents(const DistortionParams& params, int dim) 
 GroupEnergy::GroupEnergy(const DistortionParams& params, const Mesh& mesh, const std::vector<double>& ideal)
     : DistortionEnergy(params, mesh.dim),
       element_count_(mesh.element_count()),
-      rules_(mesh.cell(), mesh.degree, params.exactness),
-      reference_(rules_.common()) {
+      rules_(mesh.cell(), mesh.degree, params, element_count_),
+      reference_(rules_.plain().reference) {
     has_one_ideal_ = !params.regular.empty() && mesh.cell().is_collapsed;
     params_.curved_ideal = params.regular.empty() && (params.curved_ideal || !mesh.cell().is_simplex());
     if (params_.curved_ideal) curved_ideal_ = ideal;
@@ -44,7 +44,7 @@ GroupEnergy::GroupEnergy(const GroupEnergy& whole, const std::vector<int>& place
     : DistortionEnergy(whole.params_, whole.dim_),
       element_count_(static_cast<int>(place.size())),
       rules_(whole.rules_.part(place)),
-      reference_(rules_.common()),
+      reference_(rules_.plain().reference),
       has_one_ideal_(whole.has_one_ideal_) {
     const bool has_nodes = !has_one_ideal_ && !whole.curved_ideal_.empty();
     curved_ideal_ = has_nodes ? at_nodes(node, whole.curved_ideal_, dim_) : whole.curved_ideal_;

@@ -32,6 +32,9 @@ public:
     bool certified(const std::vector<double>& x) const override {
         return total([&](GroupEnergy& group) { return !group.certified(x); }) == 0;
     }
+    bool refine_bent(const std::vector<double>& x) override {
+        return total([&x](GroupEnergy& group) { return group.refine_bent(x); }) > 0;
+    }
     bool refine_quadrature() override {
         return total([](GroupEnergy& group) { return group.refine_quadrature(); }) > 0;
     }

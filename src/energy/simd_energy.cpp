@@ -48,7 +48,7 @@ SimdEnergy::SimdEnergy(const Mesh& mesh, const std::vector<double>& ideal, const
       products_(std::make_shared<GradientProducts>(
           mesh.cell().is_simplex() ? GradientProducts(dim_, mesh.degree) : GradientProducts())),
       blocks_(schedule_elements(mesh)) {
-    fill(mesh, [&](int k) { return ideal_element(mesh, blocks_.order[k], ideal, params_, reference_); });
+    fill(mesh, [&](int k) { return ideal_element(mesh, blocks_.order[k], ideal, params_, rules_.usual().reference); });
     int flat = element_count_;  // first element without volume
     for (int k = 0; k < element_count_; ++k)
         if (!(ideal_jacobian_[k / lanes][k % lanes] > 0)) flat = std::min(flat, blocks_.order[k]);
@@ -136,6 +136,17 @@ void SimdEnergy::take_refined_out() {
     }
 }
 
+void SimdEnergy::mark_bent() {
+    bendings_ = rules_.bendings();
+    for (const int bent : {0, 1}) {
+        part_[bent].resize(weight_.size());
+        for (std::size_t k = 0; k < lanes * weight_.size(); ++k) {
+            const int e = std::min(static_cast<int>(k), element_count_ - 1);
+            part_[bent][k / lanes][k % lanes] = rules_.is_bent(e) == (bent == 1);
+        }
+    }
+}
+
 // Of a function that is constant on each element, times det A: per batch.
 double SimdEnergy::integral(const std::vector<Lanes>& values) const {
     const auto of_element = [&](int k) { return values[k / lanes][k % lanes]; };
@@ -163,24 +174,35 @@ void SimdEnergy::blocks_moved(const LargeVector<int>& place) {
 template <class Body>
 void SimdEnergy::dispatch(const Body& body) {
     take_refined_out();
+    if (bendings_ != rules_.bendings()) mark_bent();
     with_dimension(dim_, [&](auto n) {
         if (is_linear()) body(std::type_identity<LinearBatch<n()>>());
         else body(std::type_identity<CurvedBatch<n()>>());
     });
 }
 
-// body(batch of elements, its number) for the batches of a block, in order.
+// body(batch of elements, its number, 1 for elements with the rule at work and 0 for others) for the batches of a block,
+// in order: with the rule of plain elements, then with that of bent ones.
 template <class Batch, class Body>
 void SimdEnergy::every_batch(int block, const std::vector<double>& x, const Body& body) {
+    every_batch<Batch>(block, x, rules_.plain(), part_[0], body);
+    if (bendings_ > 0) every_batch<Batch>(block, x, rules_.usual(), part_[1], body);
+}
+
+// part: what body() is given; empty: 1.
+template <class Batch, class Body>
+void SimdEnergy::every_batch(int block, const std::vector<double>& x, const ElementRule& rule,
+                             const std::vector<Lanes>& part, const Body& body) {
     constexpr int n = Batch::dimension;
-    Batch elements(reference_, *products_);
+    Batch elements(rule.reference, *products_);
     const int end = std::min(element_count_, (block + 1) * blocks_.size);
     for (int k = block * blocks_.size; k < end; k += lanes) {
         const int batch = k / lanes;
+        if (!part.empty() && !any(part[batch] > 0)) continue;
         elements.start(&nodes_[offset(k, reference_.nodes)], x,
                        {reinterpret_cast<const Mat<n, Lanes>&>(ideal_inverse_[offset(batch, n * n)]),
                         ideal_jacobian_[batch], curved_ideal_, has_one_ideal_});
-        body(elements, batch);
+        body(elements, batch, part.empty() ? in_all_lanes(1) : part[batch]);
     }
 }
 
@@ -221,8 +243,8 @@ double SimdEnergy::energy(const std::vector<double>& x) {
             parallel_tasks(blocks_.count(), is_large_, [&](int block) {
                 if (inverted.load(std::memory_order_relaxed)) return;
                 SumOfBatches sum;
-                every_batch<Batch>(block, x, [&](const Batch& elements, int batch) {
-                    sum.add(weight_[batch] * elements.energy(density, params_.delta));
+                every_batch<Batch>(block, x, [&](const Batch& elements, int batch, Lanes part) {
+                    sum.add(part * weight_[batch] * elements.energy(density, params_.delta), batch);
                 });
                 block_value_[block] = sum.total();
                 if (!std::isfinite(block_value_[block])) inverted.store(true, std::memory_order_relaxed);
@@ -242,9 +264,9 @@ void SimdEnergy::add_gradient(const std::vector<double>& x, std::vector<double>&
         dispatch([&](auto type) {
             using Batch = typename decltype(type)::type;
             blocks_.in_schedule(is_large_, [&](int block) {
-                every_batch<Batch>(block, x, [&](Batch& elements, int batch) {
+                every_batch<Batch>(block, x, [&](Batch& elements, int batch, Lanes part) {
                     const int count = std::min(lanes, element_count_ - batch * lanes);
-                    elements.add_gradient(density, params_.delta, weight_[batch], count, g.data());
+                    elements.add_gradient(density, params_.delta, part * weight_[batch], count, g.data());
                 });
             });
         });
@@ -289,11 +311,12 @@ void SimdEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, Blo
             using Batch = typename decltype(type)::type;
             using Size = std::integral_constant<int, Batch::dimension * Batch::dimension>;
             blocks_.in_schedule(is_large_, [&](int block) {
-                every_batch<Batch>(block, x, [&](Batch& elements, int batch) {
+                every_batch<Batch>(block, x, [&](Batch& elements, int batch, Lanes of_rule) {
                     const int first = batch * lanes, count = std::min(lanes, element_count_ - first);
                     const int* const target = target_of(first);
                     if (!half) prefetch_blocks<Size::value>(H.value.data(), target, count * mm);
-                    const double* const part = hessian_of(elements, weight_[batch], damping_weight_[batch]);
+                    const double* const part = hessian_of(elements, of_rule * weight_[batch],
+                                                          of_rule * damping_weight_[batch]);
                     for (int k = 0; k < count; ++k) add(Size(), part + k * elements.stride(), first + k);
                 });
             });
@@ -315,19 +338,20 @@ DistortionStatistics SimdEnergy::statistics(const std::vector<double>& x) {
     DistortionStatistics result;
     result.element_max.resize(element_count_);
     double refined_norm = 0;
+    const ReferenceElement& usual = rules_.usual().reference;
     dispatch([&](auto type) {
         using Batch = typename decltype(type)::type;
         parallel_for(blocks_.count(), [&](int block) {
             SumOfBatches sum;
-            every_batch<Batch>(block, x, [&](const Batch& elements, int batch) {
+            every_batch<Batch>(block, x, rules_.usual(), {}, [&](const Batch& elements, int batch, Lanes) {
                 Lanes largest{}, squared{};
-                for (int q = 0; q < reference_.points; ++q) {
+                for (int q = 0; q < usual.points; ++q) {
                     const Lanes eta = elements.distortion_at(q);
-                    squared += reference_.weight[q] * eta * eta * elements.share_at(q);
+                    squared += usual.weight[q] * eta * eta * elements.share_at(q);
                     largest = max(largest, eta);
                 }
                 // not 0 infinity
-                sum.add(select(ideal_jacobian_[batch] > 0, ideal_jacobian_[batch] * squared, Lanes{}));
+                sum.add(select(ideal_jacobian_[batch] > 0, ideal_jacobian_[batch] * squared, Lanes{}), batch);
                 const int first = batch * lanes, count = std::min(lanes, element_count_ - first);
                 for (int l = 0; l < count; ++l) result.element_max[blocks_.order[first + l]] = largest[l];
             });

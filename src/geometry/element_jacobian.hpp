@@ -137,6 +137,37 @@ public:
             for (int a = 0; a < count_; ++a) b_[k][a] *= sign_ / of_.jacobian.multinomial[a];
     }
 
+    // Instead of compute(): the most by which a coefficient of a derivative at an end differs from the derivative at
+    // the centre of x, relative to J_c without its columns made perpendicular: max |J_c^{-1} t_k - e_k|. Below d at both
+    // ends all coefficients() are at least (1 - sqrt(n) d)^n, since the determinant of I + R is at least that of its
+    // columns' bounds (1 - |R|)^n. Not below 1 where it may be rounding errors.
+    T deviation(int ends) {
+        const Mat<n, T> Jc = centre_jacobian(), over_Jc = inverse<n>(Jc);
+        T largest{};
+        for (int end = 0; end < ends; ++end) {
+            const Vec<n, T>* const x = x_[end];
+            const auto relative = [x](int i) {
+                Vec<n, T> d;
+                for (int a = 0; a < n; ++a) d[a] = x[i][a] - x[0][a];
+                return d;
+            };
+            set_bezier(relative);
+            for (int k = 0; k < n; ++k)
+                for (const TangentBasis::Difference& of : of_.tangent[k].differences) {
+                    Vec<n, T> difference;
+                    T squared{};
+                    for (int a = 0; a < n; ++a) difference[a] = of.factor * (bezier_[of.to][a] - bezier_[of.from][a]);
+                    for (int a = 0; a < n; ++a) {
+                        T along = T{} - (a == k ? 1.0 : 0.0);
+                        for (int b = 0; b < n; ++b) along += over_Jc[a][b] * difference[b];
+                        squared += along * along;
+                    }
+                    largest = larger(largest, squared);
+                }
+        }
+        return select(magnitude(determinant(Jc)) > 0x1p14 * straight_rounding<n>(Jc), sqrt(largest), T{} + 1);
+    }
+
     // of_.jacobian.count coefficients of b_k, in units of |det J_c|.
     const T* coefficients(int k) const { return b_[k]; }
 
@@ -196,12 +227,26 @@ private:
         return values.data();
     }
 
-    void set_frame() {
+    Mat<n, T> centre_jacobian() const {
         Mat<n, T> Jc{};
         const Vec<n, T>* const x = x_[0];
         for (int i = 1; i < m_; ++i)
             for (int k = 0; k < n; ++k)
                 for (int a = 0; a < n; ++a) Jc[a][k] += of_.centre[i * n + k] * (x[i][a] - x[0][a]);
+        return Jc;
+    }
+
+    // Of the positions y(node).
+    template <class Position>
+    void set_bezier(const Position& y) {
+        for (int b = 0; b < of_.position.bernstein.count; ++b)
+            bezier_[b] = of_.position.node(b) >= 0 ? y(of_.position.node(b))
+                                                   : of_.position.template point<Vec<n, T>>(b, y);
+    }
+
+    void set_frame() {
+        Mat<n, T> Jc = centre_jacobian();
+        const Vec<n, T>* const x = x_[0];
         if (of_.cell.is_simplex()) {
             Mat<n, T> Js;
             for (int k = 0; k < n; ++k)
@@ -318,11 +363,7 @@ private:
         Vec<n, T>* const y = x_[end];
         if (of_.cell.is_simplex()) to_frame(y);
         else to_frame_precisely(y);
-        for (int b = 0; b < of_.position.bernstein.count; ++b)
-            bezier_[b] = of_.position.node(b) >= 0 ? y[of_.position.node(b)]
-                                                   : of_.position.template point<Vec<n, T>>(b, [y](int i) {
-                                                         return y[i];
-                                                     });
+        set_bezier([y](int i) { return y[i]; });
         for (int k = 0; k < n; ++k)
             for (int t = 0; t < of_.tangent[k].form.count; ++t) {
                 const TangentBasis::Difference& of = of_.tangent[k].differences[t];

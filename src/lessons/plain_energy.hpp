@@ -103,7 +103,7 @@ private:
     std::vector<IdealElement> ideal_;  // per element
 
     template <class Body>
-    void every_point(const std::vector<double>& x, const Body& body) const;
+    void every_point(const std::vector<double>& x, const Body& body, bool usual = false) const;
 };
 
 inline PlainEnergy::PlainEnergy(const Mesh& mesh, const std::vector<double>& ideal, const DistortionParams& params)
@@ -112,7 +112,7 @@ inline PlainEnergy::PlainEnergy(const Mesh& mesh, const std::vector<double>& ide
     pattern_ = pattern_of_cells(mesh.nodes(), dim_, nodes_, reference_.nodes);
     double jacobians = 0;
     for (int e = 0; e < element_count_; ++e) {
-        ideal_.push_back(ideal_element(mesh, e, ideal, params_, reference_));
+        ideal_.push_back(ideal_element(mesh, e, ideal, params_, rules_.usual().reference));
         if (!(ideal_[e].jacobian > 0)) refuse_ideal_element(mesh, e);
         jacobians += ideal_[e].jacobian;
     }
@@ -134,7 +134,7 @@ inline void PlainEnergy::scale_weights(const std::array<double, 2>& factor) {
 
 // body(point) for every quadrature point of every element.
 template <class Body>
-void PlainEnergy::every_point(const std::vector<double>& x, const Body& body) const {
+void PlainEnergy::every_point(const std::vector<double>& x, const Body& body, bool usual) const {
     const int m = reference_.nodes;
     with_dimension(dim_, [&](auto dimension) {
         constexpr int n = dimension;
@@ -143,7 +143,7 @@ void PlainEnergy::every_point(const std::vector<double>& x, const Body& body) co
         std::iota(first_nodes.begin(), first_nodes.end(), 0);
         for (int e = 0; e < element_count_; ++e) {
             const IdealElement& ideal = ideal_[e];
-            const ElementRule& rule = rules_.of(e);
+            const ElementRule& rule = rules_.of(e, usual);
             Mat<n> inverse_A = matrix_at<n>(ideal.inverse, 0);
             double share = 1;  // det A over its mean
             for (int q = 0; q < rule.reference.points; ++q) {
@@ -227,7 +227,7 @@ inline DistortionStatistics PlainEnergy::statistics(const std::vector<double>& x
         const double eta = distortion<n>(at.F, 0);
         squared_norm += at.volume * eta * eta;
         result.element_max[at.element] = std::max(result.element_max[at.element], eta);
-    });
+    }, true);
     result.relative_quality = std::sqrt(volume_ / squared_norm);
     for (double eta : result.element_max) result.max_distortion = std::max(result.max_distortion, eta);
     return result;

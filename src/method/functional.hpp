@@ -39,6 +39,11 @@ struct Functional {
     virtual double valid_fraction(const std::vector<double>& x, const std::vector<double>& to) const {
         return distortion.valid_fraction(x, to);
     }
+    // Finer quadrature of elements that are bent at x or that steps were cut for. Whether E has changed.
+    virtual bool refine_quadrature(const std::vector<double>& x) const {
+        const bool bent = distortion.refine_bent(x);
+        return distortion.refine_quadrature() || bent;
+    }
     virtual void gradient(const std::vector<double>& x, std::vector<double>& g) const = 0;
     virtual void hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H,
                          const Projection& projection = {}) const = 0;

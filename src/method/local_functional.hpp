@@ -29,6 +29,9 @@ public:
     double valid_fraction(const std::vector<double>& y, const std::vector<double>& to) const override {
         return distortion.valid_fraction(with_fixed(y, at_), with_fixed(to, to_));
     }
+    bool refine_quadrature(const std::vector<double>& y) const override {
+        return Functional::refine_quadrature(with_fixed(y, at_));
+    }
     // Of the elements around.
     DistortionStatistics statistics(const std::vector<double>& y) const {
         return distortion.statistics(with_fixed(y, at_));

@@ -53,9 +53,9 @@ NewtonResult Newton::start(const Functional& E, const NewtonParams& params, cons
     return at;
 }
 
-// Refines the quadrature, and so changes E, if a trial step inverted elements between its points.
+// Refines the quadrature, and so changes E, if a trial step inverted elements between its points, or elements are bent.
 bool Newton::refine_quadrature(const Functional& E, const std::vector<double>& x, NewtonResult& at) {
-    if (!E.distortion.refine_quadrature()) return false;
+    if (!E.refine_quadrature(x)) return false;
     at.start_energy = at.energy = E.energy(x);
     at.gradient_norm = gradient(E, x);
     return true;

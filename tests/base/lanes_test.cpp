@@ -34,7 +34,7 @@ TEST_CASE("numbers that come in batches are summed as if there were the most lan
     for (int k = 0; k < 40; k += lanes) {
         Lanes batch;
         for (int l = 0; l < lanes; ++l) batch[l] = std::exp(0.7 * (k + l));
-        sum.add(batch);
+        sum.add(batch, k / lanes);
     }
     for (int k = 0; k < 40; ++k) apart[k % most_lanes] += std::exp(0.7 * k);
     for (const double part : apart) expected += part;

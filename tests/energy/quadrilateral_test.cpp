@@ -155,12 +155,38 @@ TEST_CASE("a step that folds a quadrilateral between its vertices is refused, an
         for (std::size_t i = 0; i < x.size(); ++i) x[i] += s * (folded[i] - x[i]);
         CHECK(E->certified(x));
         CHECK(std::isfinite(E->energy(x)));
+        REQUIRE(E->refine_quadrature());  // the usual rule first
+        CHECK(E->refined_elements() == 0);
+        CHECK(E->valid_fraction(mesh.x, folded) == s);
         REQUIRE(E->refine_quadrature());
         CHECK(E->refined_elements() == 1);
         CHECK(std::isfinite(E->energy(x)));
         CHECK(E->energy(stretched(mesh.x)) == doctest::Approx(1.5625).epsilon(1e-12));
         CHECK(E->statistics(stretched(mesh.x)).relative_quality == doctest::Approx(0.8).epsilon(1e-12));
     }
+}
+
+TEST_CASE("few points until a quadrilateral is bent, and then for good those of the usual rule") {
+    for (const Mesh& mesh : meshes())
+        for (const Assembly assembly : assemblies) {
+            const auto E = make_energy(mesh, mesh.x, with(Objective::deviation, assembly));
+            DistortionParams params = with(Objective::deviation, assembly);
+            params.exactness = 2 * mesh.degree + 2;
+            const auto usual = make_energy(mesh, mesh.x, params);
+            const std::vector<double> straight = stretched(mesh.x), bent = wavy(mesh.x, 2, 0.1);
+            E->refine_bent(straight);
+            CHECK(E->energy(straight) == doctest::Approx(usual->energy(straight)).epsilon(1e-12));
+            const double before = E->energy(bent);
+            CHECK(before == doctest::Approx(usual->energy(bent)).epsilon(0.02));
+            REQUIRE(E->refine_bent(bent));
+            CHECK(!E->refine_bent(bent));
+            const double after = E->energy(bent);
+            CHECK(after != before);
+            CHECK(!E->refine_bent(straight));
+            CHECK(E->energy(bent) == after);
+            CHECK(std::abs(after - usual->energy(bent)) < std::abs(before - usual->energy(bent)));
+            check_slopes(*E, bent);
+        }
 }
 
 TEST_CASE("a mixed mesh keeps the state of its quadrature, takes over that of parts, and orders its Hessian") {
