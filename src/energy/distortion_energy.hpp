@@ -83,8 +83,8 @@ public:
     // Valid elements and the quadrature that sees them: element_rules.hpp. With regularisation elements may invert.
     virtual double valid_fraction(const std::vector<double>& x, const std::vector<double>& to) = 0;
     virtual bool certified(const std::vector<double>& x) const = 0;
-    virtual bool refine_quadrature() = 0;  // whether E has changed, here and below
-    virtual bool refine_bent(const std::vector<double>& x) = 0;
+    // Whether E has changed, here and below. x: where elements may be bent.
+    virtual bool refine_quadrature(const std::vector<double>& x = {}) = 0;
     virtual bool take_over_refinements(const DistortionEnergy& part) = 0;
     virtual QuadratureState quadrature() const = 0;
     virtual void set_quadrature(const QuadratureState& state) = 0;

@@ -23,8 +23,9 @@ ElementRules::ElementRules(const CellType& cell, int degree, const DistortionPar
     };
     usual_ = plain_ = made_of(element_quadrature(cell, degree, params.exactness));
     const bool is_smooth = params.objective != Objective::minimax && params.objective != Objective::tangled;
-    if (!cell.is_simplex() && params.exactness == 0 && params.delta == 0 && params.regular.empty() && is_smooth)
-        plain_ = made_of(plain_quadrature(cell, degree));
+    const bool is_product = !cell.is_simplex() && !cell.is_collapsed;
+    if (is_product && params.exactness == 0 && params.delta == 0 && params.regular.empty() && is_smooth)
+        plain_ = made_of(cell_quadrature(cell, 2 * degree));
     bent_.resize(has_plain() ? count : 0, 0);
 }
 
@@ -34,8 +35,7 @@ ElementRules ElementRules::part(const std::vector<int>& place) const {
     of_part.refined_.clear();
     of_part.state_ = {};
     of_part.bent_.clear();
-    for (const int e : place)
-        if (has_plain()) of_part.bent_.push_back(bent_[e]);
+    for (std::size_t k = 0; k < place.size() && has_plain(); ++k) of_part.bent_.push_back(bent_[place[k]]);
     for (const Refined& there : refined_) {
         const auto here = std::find(place.begin(), place.end(), there.element);
         if (here != place.end()) of_part.set(static_cast<int>(here - place.begin()), there.rule);
@@ -74,8 +74,9 @@ bool ElementRules::refine(const Inversion& inversion) {
 }
 
 // Each element once, where it would have inverted last.
-bool ElementRules::refine() {
-    bool changed = false;
+bool ElementRules::refine(const std::vector<int>& nodes, const std::vector<double>& x) {
+    bool changed = has_plain() && !x.empty() && valid_step_.add_bent(nodes, x, bent_);
+    some_bent_ = some_bent_ || changed;
     std::vector<Inversion> last;
     for (auto inversion = state_.inversions.rbegin(); inversion != state_.inversions.rend(); ++inversion) {
         if (find_element(last, inversion->element) != last.end()) continue;
@@ -99,19 +100,11 @@ bool ElementRules::take_over(const ElementRules& part) {
     return changed;
 }
 
-QuadratureState ElementRules::state() const {
-    QuadratureState all = state_;
-    for (std::size_t e = 0; e < bent_.size(); ++e)
-        if (bent_[e]) all.bent.push_back({static_cast<int>(e), {}, 1});
-    return all;
-}
-
 void ElementRules::set_state(const QuadratureState& state) {
     for (std::size_t k = state_.refinements.size(); k < state.refinements.size(); ++k) refine(state.refinements[k]);
     state_.inversions = state.inversions;
     std::fill(bent_.begin(), bent_.end(), 0);
-    bendings_ += has_plain();
-    for (const Inversion& of : state.bent) bend(of.element);
+    some_bent_ = false;
 }
 
 }  // namespace almesh

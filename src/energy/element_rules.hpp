@@ -1,7 +1,7 @@
 // The quadrature rule of each element: one for all, and finer ones for curved elements that came near inverting.
 //
-// Of cells that are no simplices most are nearly parallelepipeds. They have a rule with few points (plain_quadrature()),
-// and those that are bent, once they are, the usual one.
+// Quadrilaterals, hexahedra and prisms have few points, exact for |F|^2 where A is constant (p + 1 in each direction)
+// and none at the nodes, until they are bent, and then for good the usual ones.
 //
 // The energy sees curved elements at the points of its quadrature only. valid_fraction() tells how far a step may go
 // (valid_step.hpp), and elements that it would have inverted unseen get a finer rule (refined_rule.hpp) when refine()
@@ -24,10 +24,9 @@ struct ElementRule {
 
 struct RefinedQuadrature;  // an ElementRule, and how it was made: refined_rule.hpp
 
-// Near inversions of elements: those for which rules were refined, and those for the next refinement; and the elements
-// with the usual rule that had another one, anywhere in them.
+// Near inversions of elements: those for which rules were refined, and those for the next refinement.
 struct QuadratureState {
-    std::vector<Inversion> refinements, inversions, bent;
+    std::vector<Inversion> refinements, inversions;
 };
 
 class ElementRules {
@@ -44,7 +43,7 @@ public:
     const ElementRule& plain() const { return *plain_; }  // of simplices the usual one
     const ElementRule& usual() const { return *usual_; }
     bool is_bent(int element) const { return has_plain() && bent_[element]; }
-    int bendings() const { return bendings_; }  // changes of who is bent
+    bool some_bent() const { return some_bent_; }
     const ElementRule& of(int element, bool usual = false) const;  // usual: as if it were bent
     const std::vector<Refined>& refined() const { return refined_; }  // elements with a finer rule, oldest first
 
@@ -56,17 +55,13 @@ public:
     }
     bool certified(const std::vector<int>& nodes, int count, const std::vector<double>& x) const;
 
-    // Finer rules for the elements that steps were cut for since the last call: the usual one, or if they have it, one
-    // of their own. Whether there are any.
-    bool refine();
-    // The usual rule for the elements that are bent at x. nodes: element x m. Whether there are any that were not.
-    bool refine_bent(const std::vector<int>& nodes, const std::vector<double>& x) {
-        return has_plain() && valid_step_.add_bent(nodes, x, bent_) && ++bendings_ > 0;
-    }
+    // Finer rules for the elements that are bent at x, or that steps were cut for since the last call: the usual one,
+    // for the latter, if they have it, one of their own. Whether there are any. x: empty, or nodes: element x m.
+    bool refine(const std::vector<int>& nodes, const std::vector<double>& x);
     // The refinements of a part since it was made. Whether there are any.
     bool take_over(const ElementRules& part);
-    QuadratureState state() const;
-    void set_state(const QuadratureState& state);  // its refinements must begin with those here
+    const QuadratureState& state() const { return state_; }
+    void set_state(const QuadratureState& state);  // its refinements must begin with those here; none is bent then
 
 private:
     const CellType* cell_;
@@ -76,14 +71,12 @@ private:
     std::vector<int> place_in_whole_;  // of a part
     std::vector<Refined> refined_;
     std::vector<char> bent_;  // per element; empty where there is no plain rule
-    int bendings_ = 0;
-    QuadratureState state_;  // but who is bent
+    bool some_bent_ = false;
+    QuadratureState state_;
 
     bool has_plain() const { return plain_ != usual_; }
     bool bend(int element) {  // whether it was not bent
-        if (!has_plain() || bent_[element]) return false;
-        bent_[element] = 1;
-        return ++bendings_ > 0;
+        return has_plain() && std::exchange(bent_[element], 1) == 0 && (some_bent_ = true);
     }
     bool refine(const Inversion& inversion);
     const RefinedQuadrature* find(int element) const;  // or none

@@ -25,8 +25,7 @@ public:
     bool certified(const std::vector<double>& x) const override {
         return params_.delta > 0 || rules_.certified(nodes_, element_count_, x);
     }
-    bool refine_quadrature() override { return rules_.refine(); }
-    bool refine_bent(const std::vector<double>& x) override { return rules_.refine_bent(nodes_, x); }
+    bool refine_quadrature(const std::vector<double>& x = {}) override { return rules_.refine(nodes_, x); }
     bool take_over_refinements(const DistortionEnergy& part) override {
         return rules_.take_over(static_cast<const GroupEnergy&>(part).rules_);
     }

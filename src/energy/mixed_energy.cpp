@@ -10,8 +10,6 @@
 namespace almesh {
 namespace {
 
-constexpr std::array lists_of_state = {&QuadratureState::refinements, &QuadratureState::inversions,
-                                       &QuadratureState::bent};
 constexpr double delta_of_infeasible = 0.5;  // of elements that need not be valid
 
 std::unique_ptr<GroupEnergy> energy_of(const Mesh& mesh, const std::vector<int>& elements,
@@ -165,7 +163,7 @@ QuadratureState MixedEnergy::quadrature() const {
     QuadratureState all;
     every_group([&](const GroupEnergy& energy, const Group& group) {
         QuadratureState of_group = energy.quadrature();
-        for (const auto list : lists_of_state)
+        for (const auto list : {&QuadratureState::refinements, &QuadratureState::inversions})
             for (Inversion inversion : of_group.*list) {
                 inversion.element = group.element[inversion.element];
                 (all.*list).push_back(inversion);
@@ -177,7 +175,7 @@ QuadratureState MixedEnergy::quadrature() const {
 void MixedEnergy::set_quadrature(const QuadratureState& state) {
     every_group([&](GroupEnergy& energy, const Group& group) {
         QuadratureState of_group;
-        for (const auto list : lists_of_state)
+        for (const auto list : {&QuadratureState::refinements, &QuadratureState::inversions})
             for (Inversion inversion : state.*list) {
                 const auto place = std::lower_bound(group.element.begin(), group.element.end(), inversion.element);
                 if (place == group.element.end() || *place != inversion.element) continue;

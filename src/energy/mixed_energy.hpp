@@ -32,11 +32,8 @@ public:
     bool certified(const std::vector<double>& x) const override {
         return total([&](GroupEnergy& group) { return !group.certified(x); }) == 0;
     }
-    bool refine_bent(const std::vector<double>& x) override {
-        return total([&x](GroupEnergy& group) { return group.refine_bent(x); }) > 0;
-    }
-    bool refine_quadrature() override {
-        return total([](GroupEnergy& group) { return group.refine_quadrature(); }) > 0;
+    bool refine_quadrature(const std::vector<double>& x = {}) override {
+        return total([&x](GroupEnergy& group) { return group.refine_quadrature(x); }) > 0;
     }
     bool take_over_refinements(const DistortionEnergy& part) override;
     QuadratureState quadrature() const override;

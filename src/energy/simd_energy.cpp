@@ -136,17 +136,6 @@ void SimdEnergy::take_refined_out() {
     }
 }
 
-void SimdEnergy::mark_bent() {
-    bendings_ = rules_.bendings();
-    for (const int bent : {0, 1}) {
-        part_[bent].resize(weight_.size());
-        for (std::size_t k = 0; k < lanes * weight_.size(); ++k) {
-            const int e = std::min(static_cast<int>(k), element_count_ - 1);
-            part_[bent][k / lanes][k % lanes] = rules_.is_bent(e) == (bent == 1);
-        }
-    }
-}
-
 // Of a function that is constant on each element, times det A: per batch.
 double SimdEnergy::integral(const std::vector<Lanes>& values) const {
     const auto of_element = [&](int k) { return values[k / lanes][k % lanes]; };
@@ -174,35 +163,32 @@ void SimdEnergy::blocks_moved(const LargeVector<int>& place) {
 template <class Body>
 void SimdEnergy::dispatch(const Body& body) {
     take_refined_out();
-    if (bendings_ != rules_.bendings()) mark_bent();
     with_dimension(dim_, [&](auto n) {
         if (is_linear()) body(std::type_identity<LinearBatch<n()>>());
         else body(std::type_identity<CurvedBatch<n()>>());
     });
 }
 
-// body(batch of elements, its number, 1 for elements with the rule at work and 0 for others) for the batches of a block,
-// in order: with the rule of plain elements, then with that of bent ones.
+// body(batch of elements, its number, 1 for elements with the rule at work and 0 for others) for the batches of a
+// block, in order: with the rule of plain elements, then with that of bent ones, or with the usual rule for all.
 template <class Batch, class Body>
-void SimdEnergy::every_batch(int block, const std::vector<double>& x, const Body& body) {
-    every_batch<Batch>(block, x, rules_.plain(), part_[0], body);
-    if (bendings_ > 0) every_batch<Batch>(block, x, rules_.usual(), part_[1], body);
-}
-
-// part: what body() is given; empty: 1.
-template <class Batch, class Body>
-void SimdEnergy::every_batch(int block, const std::vector<double>& x, const ElementRule& rule,
-                             const std::vector<Lanes>& part, const Body& body) {
+void SimdEnergy::every_batch(int block, const std::vector<double>& x, const Body& body, bool usual) {
     constexpr int n = Batch::dimension;
-    Batch elements(rule.reference, *products_);
-    const int end = std::min(element_count_, (block + 1) * blocks_.size);
-    for (int k = block * blocks_.size; k < end; k += lanes) {
-        const int batch = k / lanes;
-        if (!part.empty() && !any(part[batch] > 0)) continue;
-        elements.start(&nodes_[offset(k, reference_.nodes)], x,
-                       {reinterpret_cast<const Mat<n, Lanes>&>(ideal_inverse_[offset(batch, n * n)]),
-                        ideal_jacobian_[batch], curved_ideal_, has_one_ideal_});
-        body(elements, batch, part.empty() ? in_all_lanes(1) : part[batch]);
+    const int last = element_count_ - 1, end = std::min(last + 1, (block + 1) * blocks_.size);
+    const bool all = usual || !rules_.some_bent();
+    for (const bool bent : {false, true}) {
+        if (bent && all) break;
+        Batch elements((usual || bent ? rules_.usual() : rules_.plain()).reference, *products_);
+        for (int k = block * blocks_.size; k < end; k += lanes) {
+            const int batch = k / lanes;
+            Lanes part = in_all_lanes(1);
+            for (int l = 0; l < lanes && !all; ++l) part[l] = rules_.is_bent(std::min(k + l, last)) == bent;
+            if (!all && !any(part > 0)) continue;
+            elements.start(&nodes_[offset(k, reference_.nodes)], x,
+                           {reinterpret_cast<const Mat<n, Lanes>&>(ideal_inverse_[offset(batch, n * n)]),
+                            ideal_jacobian_[batch], curved_ideal_, has_one_ideal_});
+            body(elements, batch, part);
+        }
     }
 }
 
@@ -343,7 +329,7 @@ DistortionStatistics SimdEnergy::statistics(const std::vector<double>& x) {
         using Batch = typename decltype(type)::type;
         parallel_for(blocks_.count(), [&](int block) {
             SumOfBatches sum;
-            every_batch<Batch>(block, x, rules_.usual(), {}, [&](const Batch& elements, int batch, Lanes) {
+            every_batch<Batch>(block, x, [&](const Batch& elements, int batch, Lanes) {
                 Lanes largest{}, squared{};
                 for (int q = 0; q < usual.points; ++q) {
                     const Lanes eta = elements.distortion_at(q);
@@ -354,7 +340,7 @@ DistortionStatistics SimdEnergy::statistics(const std::vector<double>& x) {
                 sum.add(select(ideal_jacobian_[batch] > 0, ideal_jacobian_[batch] * squared, Lanes{}), batch);
                 const int first = batch * lanes, count = std::min(lanes, element_count_ - first);
                 for (int l = 0; l < count; ++l) result.element_max[blocks_.order[first + l]] = largest[l];
-            });
+            }, true);
             block_value_[block] = sum.total();
         }, is_large_ ? parallel_work : 0);
     });

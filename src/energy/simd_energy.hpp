@@ -57,8 +57,6 @@ private:
     std::vector<Lanes> ideal_jacobian_;  // batch, det A
     std::vector<Lanes> weight_;          // batch, w_e det A
     std::vector<Lanes> damping_weight_;  // batch, w'_e det A
-    std::vector<Lanes> part_[2];         // batch: 1 for plain elements and else 0, the same for bent ones; empty: none
-    int bendings_ = 0;                   // is bent, after so many changes
     std::vector<Single> singles_;        // the first of rules_.refined()
     std::vector<double> of_refined_;     // what has been computed for some of them
     bool is_large_;                      // worth more than one thread
@@ -70,14 +68,10 @@ private:
     IdealElement ideal_at(int place) const;
     double integral(const std::vector<Lanes>& values) const;
     void take_refined_out();
-    void mark_bent();
     template <class Body>
     void dispatch(const Body& body);
     template <class Batch, class Body>
-    void every_batch(int block, const std::vector<double>& x, const Body& body);
-    template <class Batch, class Body>
-    void every_batch(int block, const std::vector<double>& x, const ElementRule& rule, const std::vector<Lanes>& part,
-                     const Body& body);
+    void every_batch(int block, const std::vector<double>& x, const Body& body, bool usual = false);
     template <class Compute, class Add>
     void every_refined(const std::vector<double>& x, int size, const Compute& compute, const Add& add);
 };

@@ -22,9 +22,9 @@ constexpr int space_bisections = 300;            // of one polynomial
 constexpr int batches_per_task = 64;             // at most, of others few enough
 constexpr int curved_tasks = 64;                 // for so many tasks: one of them may take long
 constexpr double work = 20, curved_work = 1000;  // of an element, in simple operations
-constexpr double much = 0.25;                    // deviation of the Jacobian of a bent element
+constexpr double much = 0.35;                    // deviation of the Jacobian of a bent element
 constexpr double near_inversion = 0.1;           // ratio of the determinant to its mean
-constexpr double small_deviation = 0.22;         // for which coefficients are at least 0.237, and their mean at most 1.82
+constexpr double small_deviation = 0.38;         // coefficients are at least 0.238 then, and their mean at most 1.82
 constexpr double keeps = 0.2;                    // fraction of its least determinant that an element keeps in one step,
 constexpr double nearest_inversion = 1e-6;       // and the least ratio that it can reach, far above rounding
 
@@ -145,13 +145,17 @@ template <int n>
 LaneBits cleared(const JacobianBasis& basis, const int* const* node, const std::vector<double>& from,
                  const std::vector<double>& to) {
     ElementJacobian<n, Lanes> elements(basis);
-    for (int i = 0; i < basis.position.nodes; ++i) {
-        elements.position(0)[i] = gathered<n>(node, i, from);
-        elements.position(1)[i] = gathered<n>(node, i, to);
-    }
+    const auto place = [&] {
+        for (int i = 0; i < basis.position.nodes; ++i) {
+            elements.position(0)[i] = gathered<n>(node, i, from);
+            elements.position(1)[i] = gathered<n>(node, i, to);
+        }
+    };
+    place();
     if (!basis.cell.is_simplex()) {
         const LaneBits small = elements.deviation(2) < small_deviation;
         if (!any(!small)) return small;
+        place();
     }
     elements.compute(2);
     LaneBits clear = elements.has_frame();
@@ -221,22 +225,20 @@ double ValidStep::fraction(const std::vector<int>& node, int count, const std::v
 
 bool ValidStep::add_bent(const std::vector<int>& node, const std::vector<double>& x, std::vector<char>& bent) const {
     const int count = static_cast<int>(bent.size());
-    std::vector<char> is_new((count + lanes - 1) / lanes, 0);
+    const auto before = std::count(bent.begin(), bent.end(), 1);
     with_dimension(dim_, [&](auto n) {
-        parallel_for(static_cast<int>(is_new.size()), [&](int batch) {
+        parallel_for((count + lanes - 1) / lanes, [&](int batch) {
+            const int first = batch * lanes;
             const int* of_lane[lanes];
-            for (int l = 0; l < lanes; ++l)
-                of_lane[l] = &node[offset(std::min(batch * lanes + l, count - 1), element_nodes_)];
+            for (int l = 0; l < lanes; ++l) of_lane[l] = &node[offset(std::min(first + l, count - 1), element_nodes_)];
             ElementJacobian<n, Lanes> elements(*basis_);
             for (int i = 0; i < basis_->position.nodes; ++i) elements.position(0)[i] = gathered<n>(of_lane, i, x);
-            const LaneBits is_bent = !(elements.deviation(1) < much);
-            for (int l = 0; l < std::min(lanes, count - batch * lanes); ++l) {
-                if (!is_bent[l] || bent[batch * lanes + l]) continue;
-                bent[batch * lanes + l] = is_new[batch] = 1;
-            }
+            const LaneBits is_plain = elements.deviation(1) < much;
+            for (int l = 0; l < std::min(lanes, count - first); ++l)
+                if (!is_plain[l]) bent[first + l] = 1;
         }, work * lanes);
     });
-    return std::count(is_new.begin(), is_new.end(), 1) > 0;
+    return std::count(bent.begin(), bent.end(), 1) > before;
 }
 
 }  // namespace almesh

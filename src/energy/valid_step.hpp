@@ -45,8 +45,8 @@ public:
     double fraction(const std::vector<int>& node, int count, const std::vector<double>& from,
                     const std::vector<double>& to, std::vector<Inversion>& inversions) const;
 
-    // Marks the elements over which the Jacobian at x varies much (ElementJacobian::deviation()). bent: one entry per
-    // element. Whether there is one that was not marked. For cells that are no simplices.
+    // Marks the elements over which the Jacobian at x varies much (ElementJacobian::deviation()), simplices excluded.
+    // bent: per element. Whether there is one that was not marked.
     bool add_bent(const std::vector<int>& node, const std::vector<double>& x, std::vector<char>& bent) const;
 
 private:

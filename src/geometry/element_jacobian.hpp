@@ -31,6 +31,7 @@
 #pragma once
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -131,41 +132,43 @@ public:
         set_frame();
         tangent_size_ = {};
         y_size_ = {};
-        for (int end = 0; end < ends; ++end) set_tangents(end);
+        for (int end = 0; end < ends; ++end) {
+            if (of_.cell.is_simplex()) to_frame(x_[end]);
+            else to_frame_precisely(x_[end]);
+            set_tangents(end);
+        }
         multiply_tangents(ends);
         for (int k = 0; k <= n * (ends - 1); ++k)
             for (int a = 0; a < count_; ++a) b_[k][a] *= sign_ / of_.jacobian.multinomial[a];
     }
 
-    // Instead of compute(): the most by which a coefficient of a derivative at an end differs from the derivative at
-    // the centre of x, relative to J_c without its columns made perpendicular: max |J_c^{-1} t_k - e_k|. Below d at both
-    // ends all coefficients() are at least (1 - sqrt(n) d)^n, since the determinant of I + R is at least that of its
-    // columns' bounds (1 - |R|)^n. Not below 1 where it may be rounding errors.
+    // Instead of compute(): how much J at the ends differs from J_c with columns as they are. J_c^{-1} J = S + R in
+    // Bezier form, S = I, in a pyramid the shear with the columns e_0, e_1, (1/2 - a, 1/2 - b, 1). d^2 is the sum over
+    // the columns of R of the largest squared coefficient, times |S^{-1}|^2 <= 2. All coefficients() are at least
+    // (1 - d)^n, as determinants of such columns are. 1 where it may be rounding errors. Overwrites the positions.
     T deviation(int ends) {
-        const Mat<n, T> Jc = centre_jacobian(), over_Jc = inverse<n>(Jc);
-        T largest{};
+        const Mat<n, T> Jc = centre_jacobian();
+        inverse_ = inverse<n>(Jc);
+        Vec<n, T> squared{};
+        const bool is_collapsed = of_.cell.is_collapsed;
         for (int end = 0; end < ends; ++end) {
-            const Vec<n, T>* const x = x_[end];
-            const auto relative = [x](int i) {
-                Vec<n, T> d;
-                for (int a = 0; a < n; ++a) d[a] = x[i][a] - x[0][a];
-                return d;
-            };
-            set_bezier(relative);
+            to_frame(x_[end]);
+            set_tangents(end);
             for (int k = 0; k < n; ++k)
-                for (const TangentBasis::Difference& of : of_.tangent[k].differences) {
-                    Vec<n, T> difference;
-                    T squared{};
-                    for (int a = 0; a < n; ++a) difference[a] = of.factor * (bezier_[of.to][a] - bezier_[of.from][a]);
+                for (int t = 0; t < of_.tangent[k].form.count; ++t) {
+                    const Bernstein& form = of_.tangent[k].form;
+                    T sum{};
                     for (int a = 0; a < n; ++a) {
-                        T along = T{} - (a == k ? 1.0 : 0.0);
-                        for (int b = 0; b < n; ++b) along += over_Jc[a][b] * difference[b];
-                        squared += along * along;
+                        double S = a == k ? 1 : 0;
+                        if (is_collapsed && k == 2 && a < 2) S = 0.5 - 1.0 * form.index[t][2 * a + 1] / of_.degree;
+                        const T R = tangent_[end][k][t][a] / form.multinomial[t] - S;
+                        sum += R * R;
                     }
-                    largest = larger(largest, squared);
+                    squared[k] = larger(squared[k], sum);
                 }
         }
-        return select(magnitude(determinant(Jc)) > 0x1p14 * straight_rounding<n>(Jc), sqrt(largest), T{} + 1);
+        const T d = std::sqrt(is_collapsed ? 2.0 : 1.0) * sqrt(std::accumulate(squared.begin(), squared.end(), T{}));
+        return select(magnitude(determinant(Jc)) > 0x1p14 * straight_rounding<n>(Jc), d, T{} + 1);
     }
 
     // of_.jacobian.count coefficients of b_k, in units of |det J_c|.
@@ -234,14 +237,6 @@ private:
             for (int k = 0; k < n; ++k)
                 for (int a = 0; a < n; ++a) Jc[a][k] += of_.centre[i * n + k] * (x[i][a] - x[0][a]);
         return Jc;
-    }
-
-    // Of the positions y(node).
-    template <class Position>
-    void set_bezier(const Position& y) {
-        for (int b = 0; b < of_.position.bernstein.count; ++b)
-            bezier_[b] = of_.position.node(b) >= 0 ? y(of_.position.node(b))
-                                                   : of_.position.template point<Vec<n, T>>(b, y);
     }
 
     void set_frame() {
@@ -359,11 +354,14 @@ private:
         }
     }
 
+    // Of positions in the frame.
     void set_tangents(int end) {
-        Vec<n, T>* const y = x_[end];
-        if (of_.cell.is_simplex()) to_frame(y);
-        else to_frame_precisely(y);
-        set_bezier([y](int i) { return y[i]; });
+        const Vec<n, T>* const y = x_[end];
+        for (int b = 0; b < of_.position.bernstein.count; ++b)
+            bezier_[b] = of_.position.node(b) >= 0 ? y[of_.position.node(b)]
+                                                   : of_.position.template point<Vec<n, T>>(b, [y](int i) {
+                                                         return y[i];
+                                                     });
         for (int k = 0; k < n; ++k)
             for (int t = 0; t < of_.tangent[k].form.count; ++t) {
                 const TangentBasis::Difference& of = of_.tangent[k].differences[t];

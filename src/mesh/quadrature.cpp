@@ -171,13 +171,6 @@ Quadrature element_quadrature(const CellType& cell, int degree, int exactness) {
     return quadrature;
 }
 
-// The derivatives of a pyramid have the degree p - 1 in c.
-Quadrature plain_quadrature(const CellType& cell, int degree) {
-    if (!cell.is_collapsed) return cell_quadrature(cell, 2 * degree);
-    const Quadrature line = rule_of(gauss_jacobi(degree + 1, 0));
-    return product(product(line, line), rule_of(gauss_jacobi(degree, 2)));
-}
-
 ReferenceElement reference_element(const CellType& cell, int degree, const Quadrature& quadrature) {
     const int dim = cell.dim;
     const LagrangeBasis basis(cell, degree);

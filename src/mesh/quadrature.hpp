@@ -44,10 +44,6 @@ struct ReferenceElement {
 // where the rules have no points. Linear cells that are no simplices have them too: their Jacobian is not constant.
 Quadrature element_quadrature(const CellType& cell, int degree, int exactness);
 
-// Where the Jacobian varies little over a cell that is no simplex: exact for |F|^2 of a straight ideal element that is a
-// parallelepiped, without points at the nodes. A hexahedron has (p + 1)^3 points.
-Quadrature plain_quadrature(const CellType& cell, int degree);
-
 ReferenceElement reference_element(const CellType& cell, int degree, const Quadrature& quadrature);
 
 // Of simplices.

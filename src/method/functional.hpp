@@ -40,10 +40,7 @@ struct Functional {
         return distortion.valid_fraction(x, to);
     }
     // Finer quadrature of elements that are bent at x or that steps were cut for. Whether E has changed.
-    virtual bool refine_quadrature(const std::vector<double>& x) const {
-        const bool bent = distortion.refine_bent(x);
-        return distortion.refine_quadrature() || bent;
-    }
+    virtual bool refine_quadrature(const std::vector<double>& x) const { return distortion.refine_quadrature(x); }
     virtual void gradient(const std::vector<double>& x, std::vector<double>& g) const = 0;
     virtual void hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H,
                          const Projection& projection = {}) const = 0;

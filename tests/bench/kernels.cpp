@@ -143,6 +143,8 @@ Times time_assembly(const std::string& name, DistortionEnergy& distortion, Newto
     const auto add = [&](const std::string& what, const auto& body) {
         times.push_back(1e9 * best_seconds(budget, body) / elements);
         table.add("assembly", name, threads, what, times.back(), "ns/element");
+        const double of_node = times.back() * elements / system.problem.mesh().nodes();
+        table.add("assembly", name, threads, what + ", nodes", of_node, "ns/node");
         if (!faster.empty())
             table.add("assembly", name, threads, what + " ratio", times.back() / faster[times.size() - 1]);
     };
@@ -256,6 +258,11 @@ void measure_kernels(const Machine& machine, bool quick, Table& table) {
                                      {"circle level 5", "circle", {"refine=4"}, false},
                                      {"curving P4", "curving", {}, true},
                                      {"shell P3", "sphere-shell", {}, true},
+                                     {"quadrilaterals", "cells/circle", {"refine=2"}, true},
+                                     {"quadrilaterals P3", "cells/circle", {"degree=3"}, true},
+                                     {"hexahedra", "cells/twist-90", {"refine=1"}, true},
+                                     {"hexahedra P3", "cells/twist-90", {"degree=3"}, false},
+                                     {"four types of cells", "cells/body-30", {}, true},
                                      {"aircraft", "aircraft", {}, false}};
     for (const Case& chosen : cases) {
         if (quick && !chosen.cheap) continue;

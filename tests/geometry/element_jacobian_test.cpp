@@ -86,7 +86,46 @@ void check_against_points(const CellType& cell, int degree) {
     }
 }
 
+template <int n>
+double deviation(const JacobianBasis& basis, const std::array<std::vector<Vec<n>>, 2>& x, int ends) {
+    ElementJacobian<n, double> element(basis);
+    for (int end = 0; end < ends; ++end) std::copy(x[end].begin(), x[end].end(), element.position(end));
+    return element.deviation(ends);
+}
+
+template <int n>
+void check_deviation(const CellType& cell, int degree) {
+    const JacobianBasis basis(cell, degree);
+    std::mt19937 random(degree);
+    auto straight = random_positions<n>(basis, 0, random);
+    for (Vec<n>& p : straight[0])
+        for (int a = n - 1; a > 0; --a) p[a] = 0.1 * p[a] + a + 5 * p[a - 1];
+    CHECK(deviation<n>(basis, straight, 1) < 1e-8);
+    int told = 0;
+    for (int trial = 0; trial < 20; ++trial) {
+        const auto x = random_positions<n>(basis, 0.01 * trial / (degree * degree), random);
+        const double d = deviation<n>(basis, x, 2);
+        CHECK(deviation<n>(basis, x, 1) <= d);
+        if (d >= 1) continue;
+        ++told;
+        ElementJacobian<n, double> element(basis);
+        for (int end = 0; end < 2; ++end) std::copy(x[end].begin(), x[end].end(), element.position(end));
+        element.compute(2);
+        for (int k = 0; k <= n; ++k)
+            for (int a = 0; a < basis.jacobian.count; ++a)
+                CHECK(element.coefficients(k)[a] >= std::pow(1 - d, n) - 1e-9);
+    }
+    CHECK(told >= 5);
+}
+
 }  // namespace
+
+TEST_CASE("where the Jacobian deviates little all coefficients are as large as it tells, whatever the shape") {
+    for (const CellType& cell : cell_types())
+        for (int degree = 1; degree <= 3 && !cell.is_simplex(); ++degree)
+            if (cell.dim == 2) check_deviation<2>(cell, degree);
+            else check_deviation<3>(cell, degree);
+}
 
 TEST_CASE("the coefficients are those of the determinant at every place of the element and of the step") {
     for (const CellType& cell : cell_types())
