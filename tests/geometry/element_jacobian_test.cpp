@@ -103,7 +103,7 @@ void check_deviation(const CellType& cell, int degree) {
     CHECK(deviation<n>(basis, straight, 1) < 1e-8);
     int told = 0;
     for (int trial = 0; trial < 20; ++trial) {
-        const auto x = random_positions<n>(basis, 0.01 * trial / (degree * degree), random);
+        const auto x = random_positions<n>(basis, 0.004 * trial / (degree * degree), random);
         const double d = deviation<n>(basis, x, 2);
         CHECK(deviation<n>(basis, x, 1) <= d);
         if (d >= 1) continue;
