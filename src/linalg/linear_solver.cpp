@@ -53,11 +53,11 @@ Method make_method(int size, const LinearSolverParams& params, int patience) {
     return ConjugateGradients(size, krylov);
 }
 
-Sweeps sweeps_for(const BlockCsr& pattern, const LinearSolverParams& params) {
+// is_linear: all nodes of the elements are known to be vertices.
+Sweeps sweeps_for(const BlockCsr& pattern, const LinearSolverParams& params, bool is_linear = false) {
     const bool by_choice = params.preconditioner != PreconditionerKind::automatic;
     if (by_choice) return params.preconditioner == PreconditionerKind::ilu0 ? Sweeps::ilu0 : Sweeps::ssor;
     if (params.kind == SolverKind::gmres) return Sweeps::ilu0;
-    const bool is_linear = pattern.order && pattern.order->of_vertices.columns == 0;
     return takes_ilu0(pattern.n, pattern.blocks(), is_linear) ? Sweeps::ilu0_or_ssor : Sweeps::ssor;
 }
 
@@ -68,7 +68,8 @@ bool takes_lower_degree(const BlockCsr& pattern, const LinearSolverParams& param
 
 // start: of the domains, see make_ilu0().
 std::unique_ptr<Preconditioner> make_preconditioner(const BlockCsr& pattern, const std::vector<int>& start,
-                                                    int dimension, const LinearSolverParams& params) {
+                                                    int dimension, const LinearSolverParams& params,
+                                                    bool is_linear = false) {
     if (takes_lower_degree(pattern, params)) {
         LinearSolverParams coarse = params;
         coarse.preconditioner = PreconditionerKind::ssor;
@@ -83,7 +84,7 @@ std::unique_ptr<Preconditioner> make_preconditioner(const BlockCsr& pattern, con
     // serves nearly as well (Manteuffel, Math. Comp. 34, 1980). Not so in 2D: there bad pivots come from stretched
     // elements, and iterations stagnate with any shift.
     const std::vector<double> shifts = dimension == 2 ? std::vector<double>{0} : std::vector<double>{0, 0.01, 0.1};
-    const Sweeps sweeps = sweeps_for(pattern, params);
+    const Sweeps sweeps = sweeps_for(pattern, params, is_linear);
     const auto set_up_ilu = [&] { ilu = make_ilu0(pattern, start, shifts, sweeps); };
     if (params.kind == SolverKind::gmres) return set_up_ilu(), std::move(ilu);
     std::unique_ptr<CoarseSpace> coarse;
@@ -129,7 +130,8 @@ struct LinearSolver::Iterative {
               int patience)
         : has_lower_degree(takes_lower_degree(A, params)), method(make_method(A.size(), params, patience)) {
         if (!A.order) copy = ordered_pattern(A, order, place);
-        M = make_preconditioner(copy ? *copy : A, order->start, dimension, params);
+        const bool is_linear = A.order && A.order->of_vertices.columns == 0;
+        M = make_preconditioner(copy ? *copy : A, order->start, dimension, params, is_linear);
     }
 
     SolveResult solve(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x, bool again = false) {

@@ -304,6 +304,12 @@ TEST_CASE("the preconditioner of conjugate gradients: ILU(0) for short rows, SSO
     CHECK(uses_ssor(dense, PreconditionerKind::automatic));
     CHECK(uses_ssor(sparse, PreconditionerKind::ssor));
     CHECK_FALSE(uses_ssor(dense, PreconditionerKind::ilu0));
+    const auto ordered = [](const BlockCsr& A) { return reordered(A, *sweep_order(A, 3, params_of(SolverKind::cg))); };
+    CHECK_FALSE(uses_ssor(ordered(dense), PreconditionerKind::automatic));  // all nodes are vertices, as of hexahedra
+    CHECK(takes_ilu0(100, 700, false));
+    CHECK_FALSE(takes_ilu0(100, 1500, true));  // tetrahedra of degree 1
+    CHECK(takes_ilu0(100, 2700, true));        // hexahedra
+    CHECK_FALSE(takes_ilu0(100, 2700, false));
 }
 
 TEST_CASE("a factor too large for the memory: refused if asked for, else left to conjugate gradients") {

@@ -111,3 +111,18 @@ TEST_CASE("a Hessian that gives no step is tried with less and less of them, at 
         CHECK(after.kept == 0.1);
     }
 }
+
+TEST_CASE("systems are solved more exactly after steps of which hardly anything is valid, and stay so") {
+    ForcingTerm forcing{Forcing::automatic, 1e-9};
+    forcing.start();
+    CHECK(forcing.value == 1e-4);
+    forcing.after_step(0.5, 1, 1, 1e-8);
+    CHECK(forcing.value == 1e-4);
+    forcing.after_step(0.01, 1, 1, 1e-8);
+    CHECK(forcing.value == doctest::Approx(1e-6));
+    forcing.after_step(1, 1, 0.5, 1e-8);
+    CHECK(forcing.value == doctest::Approx(1e-6));
+    forcing.start();
+    forcing.after_step(0.001, 1, 1, 1e-8);
+    CHECK(forcing.value == doctest::Approx(1e-8));
+}
