@@ -251,10 +251,10 @@ const std::vector<DeckKey>& deck_keys() {
          "Linear solver; auto: Cholesky in 2D and for small meshes in 3D, conjugate gradients for large ones."},
         {"preconditioner", choice<&Deck::linear, &Linear::preconditioner>({"auto", "ilu0", "ssor", "pmg"}),
          "Preconditioner of cg. pmg: ssor with a correction of degree 1; auto: pmg for degrees above 1, ssor for "
-         "linear tetrahedra, ilu0 for linear triangles unless it meets bad pivots."},
+         "linear tetrahedra, ilu0 for other linear cells unless it meets bad pivots."},
         {"forcing", choice<&Deck::forcing>({"auto", "fixed"}),
          "Which relative residual ends cg and gmres. auto: after full steps, that of the rule of Eisenstat and "
-         "Walker; fixed: 1e-10."},
+         "Walker, smaller where steps invert thin cells; fixed: 1e-10."},
         {"quadrature", number<&Deck::distortion, &Distortion::exactness>({0, 40}),
          "The quadrature is exact for polynomials up to this degree, of cells but simplices in each factor; 0: chosen "
          "by the degree of the elements. Linear triangles and tetrahedra ignore the key."},
