@@ -4,9 +4,10 @@
 // a node is pulled to the closest point of the surface, and the point of the boundary that is closest to a node of the
 // surface is pulled there. The second pull brings the mesh into ends and bulges which are closest points of none of its
 // nodes. Both look only at places where the normals agree. The penalty grows from next to nothing: first the mesh moves
-// and bends as a whole. Every iterate is valid. What is reached is near the surface; the augmented Lagrangian goes on
-// from there with nodes that slide along it. (Closest points: P. J. Besl, N. D. McKay, IEEE Trans. PAMI 14, 1992; with
-// a stiffness that falls: B. Amberg, S. Romdhani, T. Vetter, CVPR 2007.)
+// and bends as a whole. From a certain penalty on only the pull across the surface grows, and edges and corners are
+// pulled to those of the surface. Every iterate is valid; nodes of other boundaries stay where they are. At last each
+// node goes to a point of the surface, from which it slides in a mesh that is improved. (Closest points: P. J. Besl,
+// N. D. McKay, IEEE Trans. PAMI 14, 1992; with a stiffness that falls: B. Amberg, S. Romdhani, T. Vetter, CVPR 2007.)
 #pragma once
 #include <string>
 #include <vector>
@@ -20,8 +21,8 @@ namespace almesh {
 // Throws InputError where the mesh is not valid, and where a surface is of another size or far away.
 void draw_onto(const ProblemOptions& options, Problem& problem);
 
-// Of a mesh that is improved, nodes that were drawn onto a surface slide along it from there; those that were not brought
-// to a point of all surfaces on which they are to be stay.
+// Of a mesh that is improved, nodes that were drawn onto a surface slide along it from there; those that were not
+// brought to a point of all surfaces on which they are to be stay.
 void hold_off_surface(Problem& problem);
 
 // A line for each surface: how far the boundary at x (nodes of problem.mesh(), in the file's frame) and the surface are
