@@ -56,13 +56,13 @@ public:
                    const Frame& frame, double feature_angle);
     SurfacePairing(const SurfacePairing&) = delete;  // the faces are those of its surface
 
-    // Per node of the mesh on an edge of these boundaries, where smooth parts meet: the smooth parts of the surface at the
-    // faces there, each that of most of the smooth part of the face, if there is one. Empty for others. side: -1 where the
-    // surface is turned inward.
+    // Per node of the mesh on an edge of these boundaries, where smooth parts meet: the smooth parts of the surface at
+    // the faces there, each that of most of the smooth part of the face, if there is one. Empty for others. side: -1
+    // where the surface is turned inward.
     std::vector<std::set<int>> parts_at_edges(const PatchedFaces& boundary, double side) const;
 
-    // The closest point to x of the edge or corner where these parts of the surface meet: how far it is, and the projector
-    // onto the directions that leave it. Both stay where there is none.
+    // The closest point to x of the edge or corner where these parts of the surface meet: how far it is, and the
+    // projector onto the directions that leave it. Both stay where there is none.
     void take_feature(const std::set<int>& parts, const Vec<3>& x, Vec<3>& move, Mat<3>& across) const;
 
     // Throws InputError where boundary, with the mesh at x, and surface are of other sizes, or far from each other.
@@ -81,7 +81,7 @@ private:
     void find_features();
 };
 
-// One for each surface onto which boundaries go. mesh: of the problem, in the file's frame; frame: that of the pairings.
+// One for each surface onto which boundaries go. mesh: of the problem, in the file's frame; frame: of the pairings.
 std::list<SurfacePairing> surface_pairings(const ProblemOptions& options, const Problem& problem, const Mesh& mesh,
                                            const Frame& frame);
 
