@@ -53,8 +53,7 @@ Method make_method(int size, const LinearSolverParams& params, int patience) {
     return ConjugateGradients(size, krylov);
 }
 
-// is_linear: all nodes of the elements are known to be vertices.
-Sweeps sweeps_for(const BlockCsr& pattern, const LinearSolverParams& params, bool is_linear = false) {
+Sweeps sweeps_for(const BlockCsr& pattern, const LinearSolverParams& params, bool is_linear) {
     const bool by_choice = params.preconditioner != PreconditionerKind::automatic;
     if (by_choice) return params.preconditioner == PreconditionerKind::ilu0 ? Sweeps::ilu0 : Sweeps::ssor;
     if (params.kind == SolverKind::gmres) return Sweeps::ilu0;
@@ -63,18 +62,17 @@ Sweeps sweeps_for(const BlockCsr& pattern, const LinearSolverParams& params, boo
 
 bool takes_lower_degree(const BlockCsr& pattern, const LinearSolverParams& params) {
     return pattern.order && pattern.order->of_vertices.columns > 0 && params.kind != SolverKind::gmres &&
-           sweeps_for(pattern, params) == Sweeps::ssor && params.preconditioner != PreconditionerKind::ssor;
+           sweeps_for(pattern, params, false) == Sweeps::ssor && params.preconditioner != PreconditionerKind::ssor;
 }
 
 // start: of the domains, see make_ilu0().
 std::unique_ptr<Preconditioner> make_preconditioner(const BlockCsr& pattern, const std::vector<int>& start,
-                                                    int dimension, const LinearSolverParams& params,
-                                                    bool is_linear = false) {
+                                                    int dimension, const LinearSolverParams& params, bool is_linear) {
     if (takes_lower_degree(pattern, params)) {
         LinearSolverParams coarse = params;
         coarse.preconditioner = PreconditionerKind::ssor;
         const auto make_coarse = [&](const BlockCsr& E) {
-            return make_preconditioner(E, pattern.order->vertex_start, dimension, coarse);
+            return make_preconditioner(E, pattern.order->vertex_start, dimension, coarse, false);
         };
         auto correction = std::make_unique<CoarseCorrection>(pattern, pattern.order->of_vertices, make_coarse);
         return make_ilu0(pattern, start, {}, Sweeps::ssor, std::move(correction));

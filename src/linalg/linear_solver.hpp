@@ -33,8 +33,8 @@ const char* to_string(PreconditionerKind kind);
 // SSOR: triangles of degree 1 have 7 and of degree 2 have 11, tetrahedra of degree 1 have 14.
 inline constexpr double long_rows = 10;
 
-// Whether ILU(0) is tried first. Of degree 1 also where rows are longer than those of tetrahedra: in layers of hexahedra
-// and prisms it is nearly exact along the columns, in which SSOR stagnates, and it costs no more elsewhere.
+// Whether ILU(0) is tried first. If all nodes are vertices also for rows longer than those of tetrahedra: in layers of
+// hexahedra and prisms it is nearly exact along the columns, and SSOR stagnates; elsewhere it costs no more.
 inline bool takes_ilu0(double rows, double blocks, bool is_linear) {
     constexpr double row_of_cells = 18;
     return blocks <= long_rows * rows || (is_linear && blocks > row_of_cells * rows);

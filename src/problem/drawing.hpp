@@ -5,9 +5,8 @@
 // surface is pulled there. The second pull brings the mesh into ends and bulges which are closest points of none of its
 // nodes. Both look only at places where the normals agree. The penalty grows from next to nothing: first the mesh moves
 // and bends as a whole. From a certain penalty on only the pull across the surface grows, and edges and corners are
-// pulled to those of the surface. Every iterate is valid; nodes of other boundaries stay where they are. At last each
-// node goes to a point of the surface, from which it slides in a mesh that is improved. (Closest points: P. J. Besl,
-// N. D. McKay, IEEE Trans. PAMI 14, 1992; with a stiffness that falls: B. Amberg, S. Romdhani, T. Vetter, CVPR 2007.)
+// pulled to those of the surface. Every iterate is valid; nodes of other boundaries stay. At last each node goes to a
+// point of the surface. (P. J. Besl, N. D. McKay, IEEE Trans. PAMI 14, 1992; B. Amberg et al., CVPR 2007.)
 #pragma once
 #include <string>
 #include <vector>
