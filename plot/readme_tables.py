@@ -13,7 +13,7 @@ import sys
 import runs
 from paper_values import CONVERGENCE, TABLE1, TABLE2
 
-LARGE = [[], ["refine=1"], ["refine=2"], ["degree=2"], ["degree=3"]]
+LARGE = [[], ["refine=1"], ["refine=2"], ["degree=2"], ["degree=3"], ["degree=4"]]
 
 
 def row(*cells):
