@@ -139,14 +139,13 @@ constexpr std::array<MotionForm, 14> forms = {{
          return project(dot(u, d) * u, step.numbers.back(), d);
      }},
     {.name = "slide", .form = "slide [along FILE [boundary NAME]]",
-     .meaning = "last step: the nodes may move along the surface to which the steps before it take the boundary. With "
-                "FILE: along the boundary NAME of that mesh, STL or OBJ, "
-                "else the one of the same name, else its only one",
+     .meaning = "last step: the nodes may move along the surface to which the steps before it take the boundary; with "
+                "FILE along that mesh, STL or OBJ: its boundary NAME, else that of the same name, else its only one",
      .along = true, .kind = NodeKind::slides},
     {.name = "onto", .form = "onto FILE [boundary NAME]",
-     .meaning = "last step: draws the boundary onto a surface on which it does not lie yet, an STL, an OBJ or the "
-                "boundary of a mesh, each node to a point of it; steps before it bring the whole mesh near",
-     .along = true, .onto = true, .kind = NodeKind::slides},
+     .meaning = "draws the boundary onto a surface on which it does not lie yet, an STL, an OBJ or the boundary of a "
+                "mesh, each node to a point of it; a step `file` before it has nodes whose positions are given",
+     .along = true, .onto = true, .affine = false, .kind = NodeKind::slides},
     {.name = "free", .form = "free", .meaning = "the nodes may move anywhere", .kind = NodeKind::free},
 }};
 
@@ -262,8 +261,7 @@ Motion motion_of(NodeKind kind) {
 }
 
 NodeKind kind_of_rest(const Motion& motion) {
-    if (goes_onto(motion)) return NodeKind::slides;
-    const MotionForm* const rest = motion.steps.front().rest;
+    const MotionForm* const rest = goes_onto(motion) ? motion.steps.back().form : motion.steps.front().rest;
     const bool leaves_open = rest && is_prescribed(kind_of(motion)) && !is_prescribed(rest->kind);
     return leaves_open ? rest->kind : kind_of(motion);
 }

@@ -202,8 +202,12 @@ Motion parse_motion(std::string_view text, const Constants& constants) {
         throw UsageError(in_backquotes(alone->form->name), " beside other steps: a ", alone->form->name,
                          " boundary is not moved, remove one or the other");
     const auto slides = [](Step step) { return step.form->kind == NodeKind::slides; };
-    if (std::any_of(motion.steps.begin(), motion.steps.end() - 1, slides))
-        throw UsageError("`slide` must be the last step: the steps before it move the surface along which nodes slide");
+    const auto early = std::find_if(motion.steps.begin(), motion.steps.end() - 1, slides);
+    if (early != motion.steps.end() - 1)
+        throw UsageError(in_backquotes(early->form->name), " must be the last step, after those that move its surface");
+    const bool has_landmarks = motion.steps.size() == 2 && file_step(motion) && !is_of_mesh(motion.steps[0]);
+    if (goes_onto(motion) && motion.steps.size() > 1 && !has_landmarks)
+        throw UsageError("before `onto` there can only be `file NODES.csv`: move the mesh near by a run of its own");
     const std::string in_2d = misfit(motion, 2), in_3d = misfit(motion, 3);
     if (!in_2d.empty() && !in_3d.empty()) throw UsageError("fits no dimension: ", in_2d, "; ", in_3d);
     return motion;

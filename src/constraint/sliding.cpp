@@ -36,10 +36,8 @@ SlidingSurfaces::SlidingSurfaces(const Mesh& base, const std::vector<double>& no
         Faces& faces = faces_[b];
         const auto first = std::find(other.begin(), other.begin() + b, other[b]) - other.begin();
         if (first < b && slides[first]) {  // their common nodes are on one surface
-            faces.part = faces_[first].part;
-            faces.other = faces_[first].other;
-            faces.other_normal = faces_[first].other_normal;
-            faces.other_face = faces_[first].other_face;
+            faces = faces_[first];
+            faces.after.clear(), faces.face.clear();
         } else {
             const Mesh& mesh = *other[b].mesh;
             const BoundaryFaces others(mesh, at_nodes(mesh.faces, mesh.x, mesh.dim), other[b].boundaries);
@@ -57,7 +55,7 @@ SlidingSurfaces::SlidingSurfaces(const Mesh& base, const std::vector<double>& no
             }
             for (Patch& patch : own.patches.of(own.face[k], base.x)) before.push_back(std::move(patch));
         }
-        faces.before = std::make_unique<ClosestPoint>(own.patches.basis, before);
+        faces.before = std::make_shared<ClosestPoint>(own.patches.basis, before);
     }
 }
 

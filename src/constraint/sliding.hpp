@@ -58,7 +58,7 @@ public:
 private:
     // Of a boundary that slides.
     struct Faces {
-        std::unique_ptr<ClosestPoint> before;    // their patches before the motion; null where there is no other mesh
+        std::shared_ptr<ClosestPoint> before;    // their patches before the motion; null where there is no other mesh
         std::vector<int> face;                   // of each patch
         std::vector<std::vector<Vec<3>>> after;  // patch, node: after it
         std::shared_ptr<ClosestPoint> other;     // patches of another mesh; null where there is none

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/interrupt.hpp"
 #include "base/parallel.hpp"
-#include "base/table.hpp"
+#include "base/text.hpp"
 #include "check/certificate.hpp"
 #include "constraint/sliding_boundary.hpp"
 #include "method/functional.hpp"
@@ -97,12 +98,16 @@ void add_goals(const Mesh& mesh, const std::vector<double>& x, const SurfacePair
     goals.farthest = std::max(goals.farthest, *std::max_element(off.begin(), off.end()));
 }
 
-// Minimises energy + penalty of the distance from where the nodes are to go, which follows the iterate.
-void draw(const ProblemOptions& options, const Problem& problem, const Mesh& mesh, const std::vector<double>& ideal,
-          BoundaryTarget target, bool is_near, std::vector<double>& x) {
+// Minimises energy + penalty of the distance from where the nodes are to go, which follows the iterate, from x on.
+// mesh: of the problem; ideal, target: of it; all in the file's frame. is_near: x was drawn there, on another mesh.
+std::vector<double> drawn(const ProblemOptions& options, const Problem& problem, Mesh mesh, std::vector<double> ideal,
+                          BoundaryTarget target, std::vector<double> x, bool is_near) {
     constexpr double first = 0.01, growth = 2, on_from = 1000;  // penalties; the mesh has the volume 1
     constexpr int most_rounds = 60, steps = 5;
     constexpr double near = 1e-3, last = 1e7;
+    prescribe_shared_nodes(mesh, target);
+    for (std::vector<double>* const field : {&target.node, &target.sample, &mesh.x, &ideal, &x})
+        problem.frame.take_to_run(*field, mesh.dim);
     DistortionParams params = distortion_of(options);
     params.curved_ideal = problem.is_own_ideal;
     const auto energy = make_energy(mesh, ideal, params);
@@ -133,52 +138,44 @@ void draw(const ProblemOptions& options, const Problem& problem, const Mesh& mes
         wanted.cold_start = round == 0;
         newton.minimise(E, wanted, x);
     }
-}
-
-// x with such boundaries near their surfaces. mesh: of the problem; ideal, target: of it; x: its nodes, a valid mesh;
-// all in the file's frame. is_near: x has been drawn there, on another mesh.
-std::vector<double> drawn(const ProblemOptions& options, const Problem& problem, Mesh mesh, std::vector<double> ideal,
-                          BoundaryTarget target, std::vector<double> x, bool is_near) {
-    prescribe_shared_nodes(mesh, target);
-    for (std::vector<double>* const field : {&target.node, &target.sample, &mesh.x, &ideal, &x})
-        problem.frame.take_to_run(*field, mesh.dim);
-    draw(options, problem, mesh, ideal, std::move(target), is_near, x);
     return problem.frame.to_file(x, mesh.dim);
 }
 
-// x (nodes of problem.mesh(), in the file's frame) with the nodes of such boundaries at the closest points of their
-// surfaces, but for those whose elements would lose half their certified bound. left: on return how far off these are.
-std::vector<double> at_closest_points(const ProblemOptions& options, const Problem& problem,
-                                      const std::vector<double>& x, std::vector<double>& left) {
-    constexpr double least_part = 0.5;  // of the certified bound of an element
+// Where the motions take the nodes of problem.mesh(), which are at x, in the file's frame: those of such boundaries to
+// the closest points of their surfaces.
+std::vector<double> on_the_surfaces(const ProblemOptions& options, const Problem& problem, std::vector<double> x) {
     const Mesh& mesh = problem.mesh();
-    std::vector<double> y = x;
-    std::vector<Vec<3>> move(mesh.nodes(), Vec<3>{});
+    const std::vector<double> from = x;
     for (const SurfacePairing& to : surface_pairings(options, problem, mesh, Frame())) {
         Goals goals(mesh.nodes());
-        add_goals(mesh, x, to, true, goals);
-        for (int i = 0; i < mesh.nodes(); ++i) move[i] = move[i] + goals.exact[i];
+        add_goals(mesh, from, to, true, goals);
+        for (int i = 0; i < mesh.nodes(); ++i) set_node(x, i, mesh.dim, at_node(x, i, mesh.dim) + goals.exact[i]);
     }
     for_face_nodes(mesh, [&](int, std::size_t k) {
-        const int i = mesh.faces[k];
         if (is_prescribed(problem.target.kind[k]))
-            move[i] = in_space(&problem.target.node[k * mesh.dim], mesh.dim) - at_node(x, i, mesh.dim);
+            std::copy_n(&problem.target.node[k * mesh.dim], mesh.dim, point(x, mesh.faces[k], mesh.dim));
     });
-    for (int i = 0; i < mesh.nodes(); ++i) set_node(y, i, mesh.dim, at_node(x, i, mesh.dim) + move[i]);
-    const std::vector<double> before = certify(mesh, x).certified_bound;
+    return x;
+}
+
+// x with the nodes at y, but for those whose elements would lose half their certified bound. Their number.
+int take_where_valid(const Mesh& mesh, const std::vector<double>& y, std::vector<double>& x) {
+    constexpr double least_part = 0.5;
+    const std::vector<double> before = certify(mesh, x).certified_bound, from = std::exchange(x, y);
+    int left = 0;
     for (bool some = true; some;) {
         some = false;
-        const std::vector<double> bound = certify(mesh, y).certified_bound;
+        const std::vector<double> bound = certify(mesh, x).certified_bound;
         for (int e = 0; e < mesh.element_count(); ++e)
             for (int k = 0; k < mesh.element_nodes(e) && !(bound[e] > least_part * before[e]); ++k) {
                 const int i = mesh.element(e)[k];
-                if (at_node(y, i, mesh.dim) == at_node(x, i, mesh.dim)) continue;
-                set_node(y, i, mesh.dim, at_node(x, i, mesh.dim));
-                left.push_back(length(move[i]));
+                if (at_node(x, i, mesh.dim) == at_node(from, i, mesh.dim)) continue;
+                set_node(x, i, mesh.dim, at_node(from, i, mesh.dim));
+                ++left;
                 some = true;
             }
     }
-    return y;
+    return left;
 }
 
 }  // namespace
@@ -191,14 +188,13 @@ void draw_onto(const ProblemOptions& options, Problem& problem) {
     const std::vector<double> x = drawn(
         options, problem, shape, problem.ideal_of(shape),
         make_target(shape, shape.x, problem.motions, problem.placed, problem.shared), shape.x, false);
-    std::vector<double> left, start = on_level(shape, x, *problem.level);
+    std::vector<double> start = on_level(shape, x, *problem.level);
     if (mesh.nodes() > shape.nodes())
         start = drawn(options, problem, mesh, problem.ideal(), problem.target, std::move(start), true);
-    start = at_closest_points(options, problem, start, left);
-    if (!left.empty())
-        problem.notes.push_back(concat(counted(left.size(), "boundary node"), " not brought onto the surface, within ",
-                                       to_text(*std::max_element(left.begin(), left.end()), 3), " of it: elements "
-                                       "there would be inverted, or nearly so"));
+    const std::vector<double> goal = on_the_surfaces(options, problem, start);
+    if (const int left = take_where_valid(mesh, goal, start))
+        problem.notes.push_back(concat(counted(left, "boundary node"), left == 1 ? " stays" : " stay", " off the "
+                                       "surface: elements there would be inverted, or nearly so"));
     problem.placed.resize(problem.motions.size());
     problem.level_placed.resize(problem.motions.size());
     for (std::size_t b = 0; b < problem.motions.size(); ++b) {
@@ -209,8 +205,12 @@ void draw_onto(const ProblemOptions& options, Problem& problem) {
     problem.target = make_target(mesh, mesh.x, problem.motions, problem.level_placed, problem.shared);
     prescribe_shared_nodes(mesh, problem.target);
     for_face_nodes(mesh, [&](int f, std::size_t k) {
-        if (goes_onto(problem.motions[mesh.face_boundary[f]]) && !is_improved(options.ideal))
-            problem.target.kind[k] = std::min(problem.target.kind[k], NodeKind::target);
+        if (!goes_onto(problem.motions[mesh.face_boundary[f]])) return;
+        const bool is_left = at_node(goal, mesh.faces[k], mesh.dim) != at_node(start, mesh.faces[k], mesh.dim);
+        std::copy_n(point(goal, mesh.faces[k], mesh.dim), mesh.dim, &problem.target.written[k * mesh.dim]);
+        if (is_improved(options.ideal) && !is_left) return;
+        problem.target.kind[k] = std::min(problem.target.kind[k], NodeKind::target);
+        problem.target.written_kind[k] = problem.target.kind[k];
     });
     problem.node_target = problem.target.node;
     problem.frame.take_to_run(start, problem.base.dim);

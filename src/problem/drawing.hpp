@@ -16,7 +16,7 @@
 namespace almesh {
 
 // Gives the problem, if such boundaries are in it, a start near their surfaces, and a target: points of these. Nodes
-// whose elements would be inverted there, or nearly so, stay where they are: a note says how many, and how far off.
+// whose elements would be inverted there, or nearly so, stay where they are: off their motions, which a note explains.
 // Throws InputError where the mesh is not valid, and where a surface is of another size or far away.
 void draw_onto(const ProblemOptions& options, Problem& problem);
 

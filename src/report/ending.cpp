@@ -224,8 +224,8 @@ void print_boundary(std::FILE* out, const Deck& deck, const Problem& problem, co
     const BoundaryTarget& target = problem.target;
     const AlIteration& last = solution.al.iterations.back();
     const double error = solution.max_boundary_error * problem.frame.length;
-    const bool is_fit =
-        deck.target == TargetKind::least_squares && target.prescribes_all() && !target.in_trace_space;
+    const std::string apart = distances_text(deck, problem, final_positions(problem, solution.x));
+    const bool is_fit = deck.target == TargetKind::least_squares && target.prescribes_all() && !target.in_trace_space;
     if (solution.nodes_off_target > 0 && last.relative_boundary_error == 0)  // that was before round_as_file()
         print(out, counted(solution.nodes_off_target, "boundary node"), solution.nodes_off_target == 1 ? " is" : " are",
               " at the nearest position that the numbers of the mesh file can have; largest boundary error ",
@@ -238,7 +238,8 @@ void print_boundary(std::FILE* out, const Deck& deck, const Problem& problem, co
     else if (solution.off_motion.nodes == 0 && !may_stay(deck, problem.motions))
         print(out, "every boundary node is where its motion takes it to the last bit",
               problem.sliding ? ", or on the surface along which it slides" : "",
-              "; between the nodes the boundary is within ", shown(error, 3), " of its motion\n");
+              apart.empty() ? "; between the nodes the boundary is within " + shown(error, 3) + " of its motion" : "",
+              "\n");
     if (solution.off_motion.nodes > 0 && (is_fit || solution.nodes_off_target == 0))
         print(out, is_fit ? "target = least_squares fits the boundary to its motion in the mean: " : "",
               counted(solution.off_motion.nodes, "boundary node"), " off their motions by at most ",
@@ -253,8 +254,7 @@ void print_boundary(std::FILE* out, const Deck& deck, const Problem& problem, co
         print(out, solution.straight_faces, " of ", problem.mesh().face_count(),
               " faces were made flat, or flatter than in the file\n");
     print(out, moved_nodes_text(problem.mesh(), solution.off_motion.moved),
-          distance_table(problem.mesh(), solution.distances, "the target as it came"),
-          distances_text(deck, problem, final_positions(problem, solution.x)));
+          distance_table(problem.mesh(), solution.distances, "the target as it came"), apart);
 }
 
 }  // namespace

@@ -95,6 +95,24 @@ TEST_CASE("a square is drawn onto a circle of lines, in an OBJ with indices from
     CHECK(has(outcome.out, "circle.obj, and that within "));
 }
 
+TEST_CASE("nodes that cannot come to the surface without inverting elements are told, and are no nodes at it") {
+    const Block block;
+    Mesh bend = solid_mesh(6, "hhhhhh");  // by 143 degrees
+    for (std::size_t k = 0; k < bend.x.size(); k += 3) {
+        const double r = 1.1 + bend.x[k], angle = 2.5 * bend.x[k + 2];
+        bend.x[k] = r * std::cos(angle), bend.x[k + 2] = r * std::sin(angle);
+    }
+    block.folder.write("bend.stl", stl_of(bend));
+    const Outcome outcome = block.run("onto bend.stl");
+    CAPTURE(outcome.out);
+    CAPTURE(outcome.error);
+    CHECK(outcome.code == 0);
+    CHECK(has(outcome.out, " boundary nodes stay off the surface: elements there would be inverted"));
+    CHECK(has(outcome.out, " boundary nodes off their motions by at most "));
+    CHECK_FALSE(has(outcome.out, "every boundary node is where its motion takes it"));
+    CHECK(block.run("onto bend.stl\nexpect nodes_off_motion = 0").code == 5);
+}
+
 TEST_CASE("landmarks are where their file has them, other nodes on the surface; a mesh serves as one") {
     const Block block;
     block.folder.write("blob.msh", msh_of(blob_mesh(9)));

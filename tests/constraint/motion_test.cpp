@@ -291,6 +291,10 @@ TEST_CASE("slide along the surface of another mesh: the file, and one of its bou
     CHECK(has(error_of("slide along a.msh along b.msh"), "`along` stands twice"));
     CHECK(has(error_of("slide boundary hull"), "`boundary` is not a number"));
     CHECK(has(error_of("slide along a.msh; translate 1 0"), "`slide` must be the last step"));
+    CHECK(has(error_of("onto a.stl; translate 1 0"), "`onto` must be the last step"));
+    for (const char* const before : {"scale 2", "mesh a.msh", "file a.csv; scale 2"})
+        CHECK(has(error_of(std::string(before) + "; onto a.stl"), "before `onto` there can only be `file NODES.csv`"));
+    CHECK(to_string(parse_motion("file a.csv; onto a.stl boundary b")) == "file a.csv; onto a.stl boundary b");
 }
 
 TEST_CASE("places from a file: the first step, its name with or without quotes") {
