@@ -6,6 +6,7 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
+#include "support/assemblies.hpp"
 #include "support/meshes.hpp"
 
 using namespace almesh;

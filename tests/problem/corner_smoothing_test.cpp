@@ -9,6 +9,7 @@
 #include <random>
 
 #include "check/scaled_jacobian.hpp"
+#include "constraint/sliding.hpp"
 #include "constraint/sliding_boundary.hpp"
 #include "constraint/sliding_nodes.hpp"
 #include "support/ring_deck.hpp"

@@ -5,8 +5,11 @@
 
 #include <cmath>
 
+#include "check/certificate.hpp"
 #include "check/scaled_jacobian.hpp"
+#include "deck/deck.hpp"
 #include "mesh/split.hpp"
+#include "problem/base_mesh.hpp"
 #include "problem/corner_smoothing.hpp"
 #include "support/meshes.hpp"
 #include "support/program.hpp"
