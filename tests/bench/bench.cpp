@@ -23,6 +23,7 @@ int main(int argc, char** argv) {
         bench::measure_frames(machine, quick, table);
         bench::measure_scaling(quick, table);
         bench::measure_kernels(machine, quick, table);
+        bench::measure_cells(machine, quick, table);
         write_file("outputs/bench.csv", table.csv());
     } catch (const Error& error) {
         std::fprintf(stderr, "bench: %s\n", error.what());

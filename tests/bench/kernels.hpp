@@ -6,5 +6,7 @@
 namespace almesh::bench {
 
 void measure_kernels(const Machine& machine, bool quick, Table& table);
+// Assembly and certificate by type of cell.
+void measure_cells(const Machine& machine, bool quick, Table& table);
 
 }  // namespace almesh::bench
