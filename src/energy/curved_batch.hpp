@@ -107,20 +107,24 @@ public:
         const bool by_moments = products_.moments > 0;
         const int size = by_moments ? products_.moments * directions * entries : size_ * size_;
         sum_of_points(by_moments ? moment_ : hessian_, size, [&](int begin, int end) {
-            for (int q = begin; q < end; q += point_block) {
-                const int count = std::min(point_block, end - q);
+            for (int q = begin, count, number = 0; q < end; q += count, ++number) {
+                const ProductPoints* const product = of_.products.empty() ? nullptr : &of_.products[number];
+                count = product ? product->of_base * product->of_line : std::min(point_block, end - q);
                 for (int k = 0; k < count; ++k) {
-                    const Mat<n, Lanes>& of_ideal = inverse_A(q + k);
-                    keep_upper(k, density_hessian<n>(jacobian(q + k), of_ideal, factor * of_.weight[q + k] * share_,
-                                                     density, delta, kept_negative));
+                    const int at = product ? product->point[k] : q + k;
+                    const Mat<n, Lanes>& of_ideal = inverse_A(at);
+                    keep_upper(k, density_hessian<n>(jacobian(at), of_ideal, factor * of_.weight[at] * share_, density,
+                                                     delta, kept_negative));
                 }
                 if (by_moments) add_moments(q, count);
-                else add_products(q, count);
+                else if (product) add_product(*product);
+                else add_points(q, count);
             }
         });
         if (by_moments) turn_to_hessian();
+        const auto node = [&](int k) { return of_.products.empty() ? k : of_.product_node[k]; };
         for (int i = 0; i < m_; ++i)
-            for (int j = 0; j < i; ++j) transpose_block(block(i, j), block(j, i));
+            for (int j = 0; j < i; ++j) transpose_block(block(node(i), node(j)), block(node(j), node(i)));
         return separate_lanes(hessian_, size_ * size_, separate_);
     }
 
@@ -145,16 +149,23 @@ private:
     Lanes* const gradient_ = ideal_position_ + size_;     // m x n
     Lanes* const hessian_ = gradient_ + size_;            // m x m blocks of n x n
     Lanes* const separate_ = hessian_ + stride();         // the gradient or Hessian, element after element
-    Lanes* const second_ = separate_ + stride();          // point_block x directions: C_kl, k <= l
-    Lanes* const moment_ = second_ + point_block * directions * entries;  // moments x directions: sums over the points
-                                                                          // of C_kl times a monomial
+    Lanes* const second_ = separate_ + stride();         // points at hand x directions: C_kl, k <= l
+    Lanes* const column_ = second_ + at_hand() * directions * entries;  // point_block x n x n: sums of C_kl over lines
+    Lanes* const moment_ = column_ + point_block * n * n * entries;  // moments x directions: sums over the points of
+                                                                     // C_kl times a monomial
     Lanes* const barycentric_ = moment_ + products_.moments * directions * entries;  // moments x pairs: by barycentric
                                                                                      // coordinates v <= w
     Lanes* const line_ = barycentric_ + products_.moments * pairs * entries;  // m: a row or column of blocks
 
     std::size_t room() const {
-        const std::size_t blocks = point_block * directions + products_.moments * (directions + pairs) + m_;
+        const std::size_t blocks = at_hand() * directions + point_block * n * n +
+                                   products_.moments * (directions + pairs) + m_;
         return 3 * size_ + 2 * stride() + blocks * entries;
+    }
+    int at_hand() const {
+        int most = point_block;
+        for (const ProductPoints& points : of_.products) most = std::max(most, points.of_base * points.of_line);
+        return most;
     }
     Lanes* block(int i, int j) { return hessian_ + (i * m_ + j) * entries; }
 
@@ -238,33 +249,84 @@ private:
                     for (int b = 0; b < n; ++b) *to++ = C[k][l][a][b];
     }
 
-    // Adds a block of points to the lower triangle of the Hessian.
-    void add_products(int q, int count) {
+    // Adds the products of the gradients of rows i and j with C, summed up over `count` points, to the blocks (i, j),
+    // in a symmetric part but those with j > i. gradient(point, i): n numbers. C(point, k, l, e): entry e of C_kl.
+    template <class Gradient, class Second, class Block>
+    [[gnu::always_inline]] inline void add_products(int rows, int count, bool symmetric, const Gradient& gradient, const Second& C,
+                      const Block& block_of) {
         Lanes row[point_block][n][entries];  // sum_k dN_i/dxi_k C_kl
-        for (int i = 0; i < m_; ++i) {
+        for (int i = 0; i < rows; ++i) {
             for (int point = 0; point < count; ++point) {
-                const Number* const dN = gradients(q + point) + i * n;
-                const auto C = [&](int k, int l) {
-                    return second_ + (point * directions + upper_place(n, k, l)) * entries;
-                };
+                const auto* const dN = gradient(point, i);
                 for (int l = 0; l < n; ++l)
                     for (int e = 0; e < entries; ++e) {
-                        row[point][l][e] = dN[l] * C(l, l)[e];
-                        for (int k = 0; k < l; ++k) row[point][l][e] += dN[k] * C(k, l)[e];
-                        for (int k = l + 1; k < n; ++k) row[point][l][e] += dN[k] * C(l, k)[e % n * n + e / n];
+                        row[point][l][e] = dN[l] * C(point, l, l, e);
+                        for (int k = 0; k < l; ++k) row[point][l][e] += dN[k] * C(point, k, l, e);
+                        for (int k = l + 1; k < n; ++k) row[point][l][e] += dN[k] * C(point, k, l, e);
                     }
             }
-            for (int j = 0; j <= i; ++j) {
+            for (int j = 0; j < (symmetric ? i + 1 : rows); ++j) {
+                Lanes* const to = block_of(i, j);
                 Lanes sum[entries];
-                std::copy_n(block(i, j), entries, sum);
+                std::copy_n(to, entries, sum);
                 for (int point = 0; point < count; ++point)
                     for (int l = 0; l < n; ++l) {
-                        const Number dN = gradients(q + point)[j * n + l];
+                        const auto dN = gradient(point, j)[l];
                         for (int e = 0; e < entries; ++e) sum[e] += row[point][l][e] * dN;
                     }
-                std::copy_n(sum, entries, block(i, j));
+                std::copy_n(sum, entries, to);
             }
         }
+    }
+
+    // Of the point-th point at hand.
+    const Lanes& second(int point, int k, int l, int e) const {
+        if (k > l) return second(point, l, k, e % n * n + e / n);
+        return second_[(point * directions + upper_place(n, k, l)) * entries + e];
+    }
+
+    // Adds a block of points to the lower triangle of the Hessian.
+    void add_points(int q, int count) {
+        add_products(
+            m_, count, true, [&](int point, int i) { return gradients(q + point) + i * n; },
+            [&](int point, int k, int l, int e) -> const Lanes& { return second(point, k, l, e); },
+            [&](int i, int j) { return block(i, j); });
+    }
+
+    // Adds all points of a product to one triangle of the Hessian, that of its nodes (b, z): for each two places of
+    // its line the sums over the points of the line, then those over the base.
+    void add_product(const ProductPoints& points) {
+        const int levels = of_.degree + 1, of_level = m_ / levels;
+        for (int y = 0; y < levels; ++y)
+            for (int z = 0; z <= y; ++z)
+                for (int r = 0; r < points.of_base; r += point_block) {
+                    const int count = std::min(point_block, points.of_base - r);
+                    for (int point = 0; point < count; ++point) sum_up_line(points, r + point, y, z, point);
+                    add_products(
+                        of_level, count, y == z,
+                        [&](int point, int b) { return &points.base[((r + point) * of_level + b) * n]; },
+                        [&](int point, int k, int l, int e) -> const Lanes& {
+                            return column_[((point * n + k) * n + l) * entries + e];
+                        },
+                        [&](int b, int c) {
+                            return block(of_.product_node[y * of_level + b], of_.product_node[z * of_level + c]);
+                        });
+                }
+    }
+
+    // To point `to` of column_: the sums over the points of the line above r of C_kl times the factors at y and z.
+    void sum_up_line(const ProductPoints& points, int r, int y, int z, int to) {
+        const int S = points.of_line, width = 2 * (of_.degree + 1);
+        for (int k = 0; k < n; ++k)
+            for (int l = 0; l < n; ++l) {
+                Lanes sum[entries] = {};
+                for (int s = 0; s < S; ++s) {
+                    const double* const L = &points.line[s * width];
+                    const double factor = L[2 * y + (k == n - 1)] * L[2 * z + (l == n - 1)];
+                    for (int e = 0; e < entries; ++e) sum[e] += factor * second(r * S + s, k, l, e);
+                }
+                std::copy_n(sum, entries, column_ + ((to * n + k) * n + l) * entries);
+            }
     }
 
     // Adds a block of points to the moments, and the Hessian of those.

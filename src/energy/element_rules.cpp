@@ -23,8 +23,8 @@ ElementRules::ElementRules(const CellType& cell, int degree, const DistortionPar
     };
     usual_ = plain_ = made_of(element_quadrature(cell, degree, params.exactness));
     const bool is_smooth = params.objective != Objective::minimax && params.objective != Objective::tangled;
-    const bool is_product = !cell.is_simplex() && !cell.is_collapsed;
-    if (is_product && params.exactness == 0 && params.delta == 0 && params.regular.empty() && is_smooth)
+    const bool may_be_bent = !cell.is_simplex() && (!cell.is_collapsed || degree > 1);
+    if (may_be_bent && params.exactness == 0 && params.delta == 0 && params.regular.empty() && is_smooth)
         plain_ = made_of(cell_quadrature(cell, 2 * degree));
     bent_.resize(has_plain() ? count : 0, 0);
 }

@@ -1,7 +1,7 @@
 // The quadrature rule of each element: one for all, and finer ones for curved elements that came near inverting.
 //
-// Quadrilaterals, hexahedra and prisms have few points, exact for |F|^2 where A is constant (p + 1 in each direction)
-// and none at the nodes, until they are bent, and then for good the usual ones.
+// Cells that are no simplices, but for linear pyramids, have few points, exact for |F|^2 where A is constant (p + 1 in
+// each direction) and none at the nodes, until they are bent, and then for good the usual ones.
 //
 // The energy sees curved elements at the points of its quadrature only. valid_fraction() tells how far a step may go
 // (valid_step.hpp), and elements that it would have inverted unseen get a finer rule (refined_rule.hpp) when refine()

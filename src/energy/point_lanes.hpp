@@ -26,13 +26,15 @@ struct IdealLanes {
 // sums over the lanes of one part after the other are those of most_lanes.
 struct PointLanes {
     static constexpr int parts = batches_per_row;
-    int nodes, rows, points;       // points: per lane, those of all parts
+    int degree, nodes, rows, points;  // points: per lane, those of all parts
     std::vector<Lanes> weight;     // points
     std::vector<Lanes> gradients;  // points x nodes x dim
     std::vector<Lanes> monomials;  // points x those of ReferenceElement
+    std::vector<ProductPoints> products{};  // none: no lane has a line of points
+    std::vector<int> product_node{};
 
     explicit PointLanes(const ReferenceElement& of)
-        : nodes(of.nodes), rows((of.points + most_lanes - 1) / most_lanes), points(parts * rows) {
+        : degree(of.degree), nodes(of.nodes), rows((of.points + most_lanes - 1) / most_lanes), points(parts * rows) {
         const int stride = static_cast<int>(of.gradients.size()) / of.points;
         const int powers = static_cast<int>(of.monomials.size()) / of.points;
         weight.resize(points);

@@ -85,7 +85,7 @@ Quadrature rule_of(const Line& line) { return {1, static_cast<int>(line.x.size()
 
 // On the product of two cells, the points of the first one running fastest.
 Quadrature product(const Quadrature& first, const Quadrature& second) {
-    Quadrature q{first.dim + second.dim, first.count * second.count, {}, {}};
+    Quadrature q{first.dim + second.dim, first.count * second.count, {}, {}, first.count, second.count};
     for (int j = 0; j < second.count; ++j)
         for (int i = 0; i < first.count; ++i) {
             q.xi.insert(q.xi.end(), &first.xi[i * first.dim], &first.xi[i * first.dim] + first.dim);
@@ -138,10 +138,67 @@ void add_node_points(const LagrangeBasis& basis, Quadrature& quadrature) {
     };
     for (int i = 0; i < basis.count; ++i) {
         const std::array<double, 3> xi = basis.point(i);
-        if (basis.cell.is_collapsed && xi[2] == 1)  // the apex, from each of the edges that end there
+        const bool is_apex = basis.cell.is_collapsed && xi[2] == 1;
+        if (is_apex && basis.degree == 1) continue;
+        if (is_apex)  // from each of the edges that end there
             for (const auto& [a, b] : {std::array{0., 0.}, {1., 0.}, {1., 1.}, {0., 1.}}) add({a, b, 1}, 0.25);
-        else add(xi, 1);
+        else add(xi, basis.cell.is_collapsed && basis.degree == 1 ? 1.25 : 1);
     }
+}
+
+// xi: R x dim and S x 1 coordinates of the points of the two rules.
+ProductPoints product_points(const LagrangeBasis& base, const std::vector<double>& xi, const LagrangeBasis& line,
+                             const std::vector<double>& eta) {
+    ProductPoints product{static_cast<int>(xi.size()) / base.dim, static_cast<int>(eta.size()), {}, {}, {}};
+    std::vector<double> value(std::max(base.count, line.count)), derivative(base.count * base.dim);
+    for (int r = 0; r < product.of_base; ++r) {
+        base.values(&xi[r * base.dim], value.data());
+        base.gradients(&xi[r * base.dim], derivative.data());
+        for (int b = 0; b < base.count; ++b) {
+            const double* const of_node = &derivative[b * base.dim];
+            product.base.insert(product.base.end(), of_node, of_node + base.dim);
+            product.base.push_back(value[b]);
+        }
+    }
+    for (const double& at : eta) {
+        line.values(&at, value.data());
+        line.gradients(&at, derivative.data());
+        for (int z = 0; z < line.count; ++z) product.line.insert(product.line.end(), {value[z], derivative[z]});
+    }
+    return product;
+}
+
+void fill_products(const LagrangeBasis& basis, const Quadrature& rule, ReferenceElement& element) {
+    if (rule.of_line == 0 || basis.cell.is_collapsed || basis.degree == 1) return;
+    const int m = basis.dim - 1;
+    const LagrangeBasis base(basis.cell.factors[2] == 0 ? simplex(m) : quadrilateral(), basis.degree);
+    const LagrangeBasis line(1, basis.degree);
+    std::vector<double> xi, eta;
+    for (int r = 0; r < rule.of_base; ++r)
+        xi.insert(xi.end(), &rule.xi[r * basis.dim], &rule.xi[r * basis.dim] + m);
+    for (int s = 0; s < rule.of_line; ++s) eta.push_back(rule.xi[s * rule.of_base * basis.dim + m]);
+    ProductPoints inside = product_points(base, xi, line, eta);
+    for (int r = 0; r < rule.of_base; ++r)
+        for (int s = 0; s < rule.of_line; ++s) inside.point.push_back(s * rule.of_base + r);
+    element.products.push_back(std::move(inside));
+
+    xi.clear(), eta.clear();
+    for (int b = 0; b < base.count; ++b)
+        for (int k = 0; k < m; ++k) xi.push_back(base.point(b)[k]);
+    for (int z = 0; z < line.count; ++z) {
+        eta.push_back(line.point(z)[0]);
+        for (int b = 0; b < base.count; ++b) {
+            MultiIndex node = base.nodes[b];
+            std::copy_n(line.nodes[z].begin(), 2, node.begin() + base.cell.entries());
+            element.product_node.push_back(basis.find(node));
+        }
+    }
+    if (rule.count == rule.of_base * rule.of_line) return;
+    ProductPoints at_nodes = product_points(base, xi, line, eta);
+    for (int b = 0; b < base.count; ++b)
+        for (int z = 0; z < line.count; ++z)
+            at_nodes.point.push_back(rule.of_base * rule.of_line + element.product_node[z * base.count + b]);
+    element.products.push_back(std::move(at_nodes));
 }
 
 }  // namespace
@@ -151,10 +208,10 @@ Quadrature simplex_quadrature(int dim, int exactness) {
     return rule.empty() ? conical_product(dim, exactness) : all_points(dim, rule);
 }
 
-Quadrature cell_quadrature(const CellType& cell, int exactness) {
+Quadrature cell_quadrature(const CellType& cell, int exactness, int to_apex) {
     if (cell.is_simplex()) return simplex_quadrature(cell.dim, exactness);
     const Quadrature line = rule_of(gauss_jacobi(exactness / 2 + 1, 0));
-    if (cell.is_collapsed) return product(product(line, line), rule_of(gauss_jacobi(exactness / 2 + 1, 2)));
+    if (cell.is_collapsed) return product(product(line, line), rule_of(gauss_jacobi(to_apex / 2 + 1, 2)));
     const Quadrature first = cell.factors[0] == 1 ? line : simplex_quadrature(cell.factors[0], exactness);
     const Quadrature both = product(first, line);
     return cell.factors[2] == 0 ? both : product(both, line);
@@ -165,8 +222,9 @@ int default_exactness(const CellType& cell, int degree) {
 }
 
 Quadrature element_quadrature(const CellType& cell, int degree, int exactness) {
-    const bool is_linear = cell.is_simplex() && degree == 1, by_default = exactness == 0 || is_linear;
-    Quadrature quadrature = cell_quadrature(cell, by_default ? default_exactness(cell, degree) : exactness);
+    const bool is_linear = cell.is_simplex() && degree == 1;
+    if (exactness == 0 || is_linear) exactness = default_exactness(cell, degree);
+    Quadrature quadrature = cell_quadrature(cell, exactness, degree == 1 ? 0 : exactness);
     if (!is_linear) add_node_points(LagrangeBasis(cell, degree), quadrature);
     return quadrature;
 }
@@ -174,7 +232,7 @@ Quadrature element_quadrature(const CellType& cell, int degree, int exactness) {
 ReferenceElement reference_element(const CellType& cell, int degree, const Quadrature& quadrature) {
     const int dim = cell.dim;
     const LagrangeBasis basis(cell, degree);
-    ReferenceElement element{&cell, degree, basis.count, quadrature.count, quadrature.weight, {}, {}};
+    ReferenceElement element{&cell, degree, basis.count, quadrature.count, quadrature.weight, {}, {}, {}, {}};
     const std::size_t stride = offset(basis.count, dim);
     element.gradients.resize(stride * quadrature.count);
     std::vector<MultiIndex> powers;
@@ -194,6 +252,7 @@ ReferenceElement reference_element(const CellType& cell, int degree, const Quadr
             element.monomials.push_back(product);
         }
     }
+    fill_products(basis, quadrature, element);
     return element;
 }
 
