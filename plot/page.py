@@ -10,7 +10,6 @@ face with nodes x_a of degree p > 1 is drawn as small triangles with corners x =
 2000th of the shortest edge of a cell. Python's standard library only, and npm once: it fetches three.js.
 """
 import base64
-import csv
 import gzip
 import hashlib
 import html
@@ -25,6 +24,7 @@ from array import array
 from math import dist
 from pathlib import Path
 
+import page_tables
 import vtk_file
 
 HERE = Path(__file__).resolve().parent
@@ -33,8 +33,6 @@ THREE_SHA512 = "+yRrcRO2iZa8uzvNNl0d7cL4huhgKgBvVJ0njcTe8xFqZ6DMAFZdCKDP91SEAuj2
 THREE_FILES = {"three-core": "build/three.core.min.js", "three": "build/three.module.min.js",
                "orbit-controls": "examples/jsm/controls/OrbitControls.js"}
 MOST_NUMBERS = 15_000_000  # of all frames; of more only every second, third, ... is shown
-
-TIME = "t = {:.6g}"
 
 # What cell data mean: name, explanation, whether the largest (1) or the least (-1) are the worst.
 FIELDS = {
@@ -83,13 +81,14 @@ def three_files():
 # ----------------------------------------------------------------------------------------------------------- the frames
 
 def frame_files(folder):
-    """[(label, path)] of the meshes to show, the kind of the series, and the number of the frame to begin with."""
-    for name, label, first in (("frames", TIME, 0), ("iterates", "Newton step {:g}", -1)):
+    """[(label, path, time)] of the meshes to show, the kind of the series, and the number of the first one shown."""
+    for name, label, first in (("frames", page_tables.TIME, 0), ("iterates", "Newton step {:g}", -1)):
         if (series := folder / f"{name}.vtk.series").exists():
             files = json.loads(series.read_text())["files"]
             if files:
-                return [(label.format(entry["time"]), folder / entry["name"]) for entry in files], name, first
-    files = [(name, path) for name in ("initial", "final") if (path := folder / f"{name}.vtk").exists()]
+                found = [(entry["time"], folder / entry["name"]) for entry in files]
+                return [(label.format(time), path, time) for time, path in found], name, first
+    files = [(name, path, None) for name in ("initial", "final") if (path := folder / f"{name}.vtk").exists()]
     if files:
         return files, "meshes", -1
     if not folder.is_dir():
@@ -102,16 +101,17 @@ def frame_files(folder):
 
 
 def read_frames(files):
-    """[(label, VtkFile)], all with the cells of the last; and what was left out."""
+    """[(label, VtkFile)] and their times, all with the cells of the last; and what was left out."""
     last = vtk_file.read(files[-1][1])
     size = len(files) * (len(last.points) + len(last.types) * len(last.cell_data))
     stride = -(-size // MOST_NUMBERS)
     chosen = files[::-1][::stride][::-1]
-    frames = [(label, vtk_file.read(path)) for label, path in chosen[:-1]] + [(files[-1][0], last)]
+    frames = [(label, vtk_file.read(path), time) for label, path, time in chosen[:-1]]
+    frames.append((files[-1][0], last, files[-1][2]))
     same = [frame for frame in frames if frame[1].cells == last.cells and len(frame[1].points) == len(last.points)]
     notes = [f"one frame of every {stride}"] * (stride > 1)
     notes += [f"{len(frames) - len(same)} frames with other cells left out"] * (len(same) < len(frames))
-    return same, ", ".join(notes)
+    return [frame[:2] for frame in same], [frame[2] for frame in same], ", ".join(notes)
 
 
 # ---------------------------------------------------------------------------------------------------------------- faces
@@ -247,74 +247,25 @@ def mesh_data(frames):
     return data, b"".join(blob.parts)
 
 
-# ----------------------------------------------------------------------------------------------------------- the tables
-
-def explanations():
-    """{quantity or column: what it is}, as the program explains it; nothing where it is not built."""
-    try:
-        text = subprocess.run([HERE.parent / "almesh", "--keys"], capture_output=True, text=True).stdout
-    except OSError:
-        return {}
-    found, name = {}, ""
-    for line in text[text.find("Quantities of the summary:"):].splitlines():
-        words = line.split(maxsplit=1)
-        if not line.startswith(" "):
-            name = words[0] if len(words) == 2 else ""
-        if name and words:
-            found[name] = f"{found[name]} {line.strip()}" if line.startswith(" ") else words[1]
-    return found
-
-
-def state(folder):
-    """The end of the run in a few words."""
-    path = folder / "summary.txt"
-    found = dict(line.split(" = ", 1) for line in path.read_text().splitlines()) if path.exists() else {}
-    certified = [name for name in ("valid", "injective") if found.get(f"certified_{name}") == "yes"]
-    return ", ".join(filter(None, [found.get("status", "").replace("_", " "),
-                                   certified and "certified " + " and ".join(certified)]))
-
-
-def tables(folder):
-    """[{"name", "columns", "rows"}] of the files of a run, without columns that are empty everywhere."""
-    found = []
-    for name in ("frames.csv", "summary.txt", "history.csv", "expectations.csv"):
-        if not (path := folder / name).exists():
-            continue
-        lines = path.read_text().splitlines()
-        if name == "summary.txt":
-            columns = ["quantity", "value"]
-            rows = [line.split(" = ", 1) for line in lines if " = " in line and not line.endswith(" = none")]
-        else:
-            columns, *rows = list(csv.reader(lines)) or [[]]
-        used = [k for k in range(len(columns)) if any(row[k] for row in rows)]
-        if rows:
-            found.append({"name": path.stem, "columns": [columns[k] for k in used],
-                          "rows": [[row[k] for k in used] for row in rows]})
-    return found
-
-
-def frame_rows(folder, labels):
-    """Of each row of frames.csv the frame to show; -1 where there is none, as of one that failed."""
-    if not (path := folder / "frames.csv").exists():
-        return []
-    with path.open(newline="") as file:
-        names = [TIME.format(float(row["t"])) for row in csv.DictReader(file)]
-    return [labels.index(name) if name in labels else -1 for name in names]
-
+# ------------------------------------------------------------------------------------------------------------- the page
 
 def write_page(folder):
     """Writes page.html into the folder; returns a line that says what is in it."""
     files, series, first = frame_files(folder)
-    frames, notes = read_frames(files)
+    frames, times, notes = read_frames(files)
     parts = three_files()
     data, parts["numbers"] = mesh_data(frames)
     title = frames[-1][1].title.rsplit(", ", 1)[0]
-    data |= {"first": first % len(frames), "notes": notes, "state": state(folder), "tables": tables(folder),
-             "keys": explanations(), "rows": frame_rows(folder, data["labels"])}
+    state, is_good = page_tables.state(folder)
+    data |= {"first": first % len(frames), "notes": notes, "state": state, "isGood": is_good,
+             "tables": page_tables.tables(folder), "keys": page_tables.explanations(),
+             "rows": page_tables.frame_rows(folder, data["labels"]), "frameColumns": page_tables.FRAMES,
+             "curves": page_tables.curves(folder, series, times, frames)}
     parts["data"] = json.dumps(data, separators=(",", ":")).encode()
     packed = {name: base64.b64encode(gzip.compress(part, 6, mtime=0)).decode() for name, part in parts.items()}
     scripts = "\n".join(f'<script type="text/plain" id="{name}">{text}</script>' for name, text in packed.items())
-    page, *code = ((HERE / "viewer" / name).read_text() for name in ("page.html", "scene.js", "panels.js"))
+    page, *code = ((HERE / "viewer" / name).read_text()
+                   for name in ("page.html", "scene.js", "panels.js"))
     for mark, text in (("title", html.escape(title)), ("scripts", "\n".join(code)), ("data", scripts)):
         page = page.replace(f"<!-- {mark} -->", text)
     (folder / "page.html").write_text(page)
