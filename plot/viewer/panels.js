@@ -32,7 +32,9 @@ function fill(table, columns, rows, onRow) {  // cells are texts, or [text, expl
   const body = table.createTBody();
   rows.forEach((cells, k) => {
     append(body.insertRow(), "td", cells);
-    if (onRow) body.rows[k].onclick = () => onRow(k);
+    if (!onRow) return;
+    Object.assign(body.rows[k], {tabIndex: 0, onclick: () => onRow(k)});
+    body.rows[k].onkeydown = event => { if (event.key === "Enter") onRow(k); };
   });
   return body;
 }
@@ -40,19 +42,18 @@ function showPicked() {
   const shown = data.fields.filter(f => f.name !== "element_id" && f.values[frame]);
   $("picked").textContent = selected < 0 ? "" : [`element ${idOf(selected)}`,
     ...shown.map(f => `${f.title}: ${format(f.values[frame][selected], 5)}`),
-    `centre: ${centre(selected, 5)}`].join("\n");
+    `centre: ${centre(selected, 5)}`].join(" · ");
 }
 function showLegend() {
   const isLog = $("log").checked, at = s => isLog ? low * (high / low) ** s : low + s * (high - low);
-  $("name").textContent = field.title;
   $("meaning").textContent = field.text;
   const colours = Array.from({length: 16}, (_, k) => `rgb(${colour(at(k / 15))})`);
-  $("ramp").style.background = `linear-gradient(to top, ${colours})`;
+  $("ramp").style.background = `linear-gradient(to right, ${colours})`;
   const step = 10 ** Math.floor(Math.log10((high - low) / 4));
   const nice = [1, 2, 5, 10].map(k => k * step).find(s => (high - low) / s <= 6);
   const ticks = high <= low ? [low] : isLog ? [0, 1, 2, 3, 4].map(k => at(k / 4))
     : Array.from({length: 8}, (_, k) => (Math.ceil(low / nice) + k) * nice).filter(v => v <= high + 1e-9 * nice);
-  $("ticks").innerHTML = ticks.map(v => `<span style="bottom: ${100 * share(v)}%">${format(v, 3)}</span>`).join("");
+  $("ticks").innerHTML = ticks.map(v => `<span style="left: ${100 * share(v)}%">${format(v, 3)}</span>`).join("");
 }
 function chooseField(k) {  // with one range for all frames, so that colours can be compared
   field = data.fields[k];
@@ -85,18 +86,51 @@ function showFrame(k) {
   $("frame").value = k;
   $("label").textContent = `${data.labels[k]} (${k + 1} of ${frames})` +
     (worst.length ? `: worst ${field.title} ${format(field.values[k][worst[0]])}` : "");
-  document.querySelectorAll(".frames tbody tr").forEach((row, i) => row.classList.toggle("on", data.rows[i] === k));
+  showRow();
   update();
 }
+let shownTable = -1;
 function showTable(k) {
-  const {name, columns} = data.tables[k], table = document.createElement("table");
-  const explained = t => [t, data.keys[t]];
-  const rows = data.tables[k].rows.map(row => row.map(t => /^-?\d+\.\d{7,}/.test(t) ? format(+t, 6) : t));
+  const {name, columns, rows, same} = data.tables[k], table = document.createElement("table");
+  const isFrames = name === "frames";
+  const broken = t => t.replaceAll("_", "_\u200b");  // a line may end there
+  const explained = t => [broken(t), data.keys[t]];
+  const heading = t => isFrames && data.frameColumns[t] ? [data.frameColumns[t][0], `${t}: ${data.frameColumns[t][1]}`]
+    : explained(t);
+  shownTable = k;
+  const shown = t => isFrames && t === "converged" ? "✓"
+    : /^-?\d+\.\d{4,}(e.\d+)?$/.test(t) ? format(+t, isFrames ? 3 : 6) : t;
   table.className = name;
-  fill(table, columns.map(explained), name === "summary" ? rows.map(([key, value]) => [explained(key), value]) : rows,
-    name === "frames" && (i => data.rows[i] >= 0 && showFrame(data.rows[i])));
+  fill(table, columns.map(heading),
+    rows.map(row => name === "summary" ? [explained(row[0]), row[1]] : row.map(t => broken(shown(t)))),
+    isFrames && (i => {
+      play(false);
+      if (data.rows[i] >= 0) showFrame(data.rows[i]);
+      showRow(i);
+    }));
+  [...table.rows].forEach(row => columns.forEach((column, i) => {
+    row.cells[i].classList.add(["status", "path"].includes(column) ? "words" : column);
+    row.cells[i].hidden = isFrames && data.frameColumns[column]?.[0] === "";
+  }));
+  if (isFrames) [...table.tBodies[0].rows].forEach((row, i) => row.classList.toggle("missing", data.rows[i] < 0));
+  const notes = [same.length && `in all rows: ${same.map(([column, value]) => `${column} ${shown(value)}`).join(", ")}`,
+    !Object.keys(data.keys).length && name !== "frames" && "What these names mean is not in this page: plot/page.py " +
+    "found no program almesh that could tell; `almesh --keys` does."];
+  $("notes").textContent = notes.filter(text => text).join(". ");
+  $("row").textContent = "";
   $("table").replaceChildren(table);
   [...$("tabs").children].forEach((tab, i) => tab.classList.toggle("on", i === k));
+  showRow();
+}
+function showRow(chosen = data.rows.indexOf(frame)) {  // of the table of frames, and all that it says
+  document.querySelectorAll(".frames tbody tr").forEach((row, i) => {
+    if (i === chosen && !row.classList.contains("on")) row.scrollIntoView({block: "nearest"});
+    row.classList.toggle("on", i === chosen);
+  });
+  const {name, columns, rows} = data.tables[shownTable] ?? {};
+  if (name === "frames" && chosen >= 0)
+    $("row").textContent = rows[chosen].map((t, k) => t && `${columns[k]} ${/\.\d{5,}/.test(t) ? format(+t, 6) : t}`)
+      .filter(t => t).join(", ");
 }
 let playing = 0;
 function play(isOn) {
@@ -126,14 +160,21 @@ $("play").onclick = () => play(!playing);
 $("tabs").append(...data.tables.map(({name}, k) =>
   Object.assign(document.createElement("button"), {textContent: name, onclick: () => showTable(k)})));
 $("help").textContent = (dim === 3 ? "drag: turn · right drag: move" : "drag: move") +
-  " · wheel: zoom · click: values of an element · keys: F fit · E edges" +
-  (dim === 3 ? " · X Y Z look along an axis" : "") + (frames > 1 ? " · space play · ← → frame" : "");
-const about = [`${elements} elements, ${nodeCount} nodes`, data.notes, data.state];
-$("about").textContent = about.filter(text => text).join(" · ");
+  " · wheel: zoom · click: values · keys: F fit · E edges · 1 … 0 worst elements" +
+  (dim === 3 ? " · X Y Z axes" : "") + (frames > 1 ? " · space play · ← → frame" : "");
+const about = [data.state, `${elements} elements, ${nodeCount} nodes`, data.notes];
+$("about").classList.toggle("failed", !data.isGood);
+$("about").textContent = $("about").title = about.filter(text => text).join(" · ");
 addEventListener("keydown", event => {
-  if (["number", "range"].includes(event.target.type) || event.target.tagName === "SELECT") return;
+  const {tagName, type} = event.target;
+  if (event.ctrlKey || event.altKey || event.metaKey || tagName === "SELECT" || type === "number") return;
+  const isOfControl = event.key.startsWith("Arrow") ? type === "range"
+    : event.key === " " && (tagName === "BUTTON" || type === "checkbox");
+  if (isOfControl) return;
   const key = event.key.toLowerCase(), axis = dim === 3 ? "xyz".indexOf(key) : -1;
   if (key === "f") fit();
+  else if (/^[0-9]$/.test(key) && worst[(+key + 9) % 10] >= 0) select(worst[(+key + 9) % 10], true);
+  else if (key === "escape") select(-1, false);
   else if (key === "e") $("edges").click();
   else if (axis >= 0) look([[1, 0, 0], [0, -1, 0], [0, 0, 1]][axis], axis === 2 ? [0, 1, 0] : [0, 0, 1]);
   else if (key === " " && frames > 1) event.preventDefault(), play(!playing);
@@ -158,9 +199,9 @@ $("outer").checked = !parts?.isFar;
 $("space").hidden = dim === 2;
 document.querySelector("footer").hidden = frames < 2;
 if (data.tables.length) showTable(0);
-chooseField(0);
 resize();
+chooseField(0);
 fit();
 new ResizeObserver(resize).observe($("view"));
 document.body.dataset.ready = "yes";
-Object.assign(globalThis, {page: {camera, controls, rebuild, draw: drawNow}});
+Object.assign(globalThis, {page: {camera, controls, rebuild, draw: drawNow, sides: sidesOnScreen}});

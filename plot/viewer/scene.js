@@ -88,7 +88,7 @@ function surfaceParts() {
 THREE.ColorManagement.enabled = false;
 const renderer = new THREE.WebGLRenderer({antialias: true}), canvas = renderer.domElement;
 renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
-renderer.setClearColor(0xffffff);
+renderer.setClearColor(getComputedStyle(document.body).backgroundColor);
 renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
 $("view").prepend(canvas);
 const scene = new THREE.Scene(), camera = new THREE.OrthographicCamera(-1, 1, 1, -1, -20, 40);
@@ -102,9 +102,11 @@ const mesh = new THREE.Mesh(new THREE.BufferGeometry(), new Surface({
   vertexColors: true, side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1}));
 const lines = style => new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial(style));
 const edges = lines({color: 0x1d2733, transparent: true, opacity: 0.45});
-const marks = lines({color: 0x5b21b6, depthTest: false});
-for (const object of [mesh, edges, marks]) object.frustumCulled = false;
-scene.add(camera, new THREE.AmbientLight(0xffffff, 0.7 * Math.PI), mesh, edges, marks);
+// The far walls of an outermost surface that is not drawn, as a background.
+const walls = new THREE.Mesh(new THREE.BufferGeometry(), new THREE.MeshLambertMaterial({
+  color: 0xe9edf1, side: THREE.BackSide, polygonOffset: true, polygonOffsetFactor: 4, polygonOffsetUnits: 4}));
+for (const object of [mesh, edges, walls]) object.frustumCulled = false;
+scene.add(camera, new THREE.AmbientLight(0xffffff, 0.7 * Math.PI), mesh, edges, walls);
 
 // The numbers of an attribute with room for `count` rows of three, to be filled anew; the room grows by half.
 function room({geometry}, name, count, Type = Float32Array) {
@@ -155,33 +157,36 @@ function evaluate({nodes, points, basis, faces, triangles}, f, point, normals) {
   }
 }
 
-// Draws the faces between elements that are kept and others, or none; and the outlines of the worst elements.
+// Draws the faces between elements that are kept and others, or none.
 let owners = new Int32Array(0);  // the element of each triangle drawn
 const isDrawn = new Uint8Array(nodeCount);
 function rebuild() {
-  const isMarked = new Uint8Array(elements), shown = [], outlined = [], values = field.values[frame];
+  const isMarked = new Uint8Array(elements), shown = [], behind = [], values = field.values[frame];
   const plane = planeLow + $("place").value * (planeHigh - planeLow), side = $("flip").checked ? -1 : 1;
   for (let e = 0; e < elements; ++e) keep[e] = !normal || side * (along(e) - plane) <= 0;
-  for (const e of $("marks").checked ? [...worst, selected] : [selected]) if (e >= 0) isMarked[e] = 1;
-  let corners = 0, ends = 0, markedEnds = 0;
+  if ($("marks").checked) for (const e of worst) isMarked[e] = 1;
+  if (selected >= 0) isMarked[selected] |= 2;
+  let corners = 0, ends = 0;
+  outlined = [];
   eachFace((kind, f) => {
     const a = kind.faces[f], b = kind.faces[f + 1];
-    if (isMarked[a] || b >= 0 && isMarked[b]) outlined.push([kind, f]), markedEnds += kind.outline.length;
+    const mark = isMarked[a] | (b < 0 ? 0 : isMarked[b]);
+    if (mark) outlined.push([kind, f, mark]);
     if (keep[a] === (b < 0 ? 0 : keep[b])) return;
-    if (b < 0 && parts && !$("outer").checked && parts.isOutermost(kind.faces[f + 2])) return;
-    shown.push([kind, f]), corners += kind.triangles.length, ends += kind.outline.length;
+    const isBehind = b < 0 && parts && !$("outer").checked && parts.isOutermost(kind.faces[f + 2]);
+    (isBehind ? behind : shown).push([kind, f]);
+    if (!isBehind) corners += kind.triangles.length, ends += kind.outline.length;
   });
   const position = room(mesh, "position", corners), tint = room(mesh, "color", corners, Uint8Array);
   const direction = dim === 3 && room(mesh, "normal", corners);
-  const ofEdges = room(edges, "position", ends), ofMarks = room(marks, "position", markedEnds);
+  const ofEdges = room(edges, "position", ends);
   if (owners.length < corners / 3) owners = new Int32Array(corners / 2);
-  const point = new Float32Array(3 * Math.max(...data.kinds.map(kind => kind.points)));
   const normals = dim === 3 && point.slice();
   const copy = (to, at, from, list) => {
     for (let k = 0; k < list.length; ++k) for (let q = 3 * list[k], a = 0; a < 3; ++a) to[at++] = from[q + a];
     return at;
   };
-  let p = 0, l = 0, m = 0;
+  let p = 0, l = 0;
   isDrawn.fill(0);
   for (const [kind, f] of shown) {
     for (let k = f + 2; k < f + 2 + kind.nodes; ++k) isDrawn[kind.faces[k]] = 1;
@@ -194,36 +199,51 @@ function rebuild() {
     owners.fill(element, first / 9, p / 9);
     l = copy(ofEdges, l, point, kind.outline);
   }
-  for (const [kind, f] of outlined) evaluate(kind, f, point), m = copy(ofMarks, m, point, kind.outline);
+  for (const [{faces, nodes}, f, mark] of outlined)  // the worst elements are to be seen too
+    for (let k = f + 2; k < f + 2 + nodes; ++k) isDrawn[faces[k]] |= mark & 1;
+  fillOutline(ofWorst, outlined.filter(face => face[2] & 1));
+  fillOutline(ofSelected, outlined.filter(face => face[2] & 2));
+  fillWalls(behind);
+}
+function fillWalls(faces) {  // triangles that turn their fronts away from the element
+  const corners = faces.reduce((sum, [kind]) => sum + kind.triangles.length, 0);
+  const position = room(walls, "position", corners), direction = room(walls, "normal", corners);
+  const [a, b, c, n, out] = Array.from({length: 5}, () => new THREE.Vector3());
+  let p = 0;
+  for (const [kind, f] of faces) {
+    evaluate(kind, f, point);
+    out.fromArray(centroid, 3 * kind.faces[f]);
+    for (let t = 0; t < kind.triangles.length; t += 3, p += 9) {
+      [a, b, c].forEach((corner, k) => corner.fromArray(point, 3 * kind.triangles[t + k]));
+      n.subVectors(b, a).cross(c.clone().sub(a)).normalize();
+      const turned = n.dot(a.clone().sub(out)) < 0, order = turned ? [a, c, b] : [a, b, c];
+      if (turned) n.negate();
+      order.forEach((corner, k) => { corner.toArray(position, p + 3 * k); n.toArray(direction, p + 3 * k); });
+    }
+  }
 }
 
 // ---------------------------------------------------------------------------------------------- drawing and the camera
-const tags = Array.from({length: 10}, (_, k) => {
-  const tag = Object.assign(document.createElement("div"), {className: "mark", textContent: k + 1});
-  tag.style.zIndex = 10 - k;
-  return tag;
-});
-$("help").before(...tags);
 const draw = () => { if (!isWaiting) isWaiting = true, requestAnimationFrame(drawNow); };
 const update = () => { isStale = true; draw(); };
 function drawNow() {
   isWaiting = false;
   if (isStale) isStale = false, rebuild();
   edges.visible = $("edges").checked;
+  lift.value = 8 / (halfSize.y * camera.zoom) / (camera.far - camera.near);  // so that a slope does not hide a stroke
+  camera.updateMatrixWorld();
+  const sides = sidesOnScreen();
+  scaleOutlines(sides);
   renderer.render(scene, camera);
-  const {clientWidth: w, clientHeight: h} = canvas, at = new THREE.Vector3();
-  tags.forEach((tag, k) => {
-    tag.hidden = !(k in worst) || !$("marks").checked;
-    if (tag.hidden) return;
-    at.fromArray(centroid, 3 * worst[k]).project(camera);
-    tag.style.transform = `translate(${(at.x + 1) / 2 * w + 5}px, ${(1 - at.y) / 2 * h - 22}px)`;
-  });
+  placeBadges(sides);
 }
-function resize() {  // the target is in the middle of what the legend leaves free
-  const {clientWidth: w, clientHeight: h} = $("view"), middle = (w + (w > 700 ? 240 : 0)) / 2;
+function resize() {
+  const {clientWidth: w, clientHeight: h} = $("view");
+  if (!w || !h) return;
   renderer.setSize(w, h);
+  halfSize.set(w / 2, h / 2);
   Object.assign(camera, {left: -w / h, right: w / h});
-  camera.setViewOffset(w, h, w / 2 - middle, 0, w, h);
+  camera.updateProjectionMatrix();
   draw();
 }
 function look(direction, up) {  // from there, so that all that is drawn is seen, wherever it is in other frames
@@ -240,7 +260,7 @@ function look(direction, up) {  // from there, so that all that is drawn is seen
   const size = box.getSize(new THREE.Vector3());
   box.getCenter(controls.target).applyQuaternion(camera.quaternion);
   camera.position.set(...direction).setLength(4).add(controls.target);
-  camera.zoom = 1.84 * Math.min(1 / size.y, (camera.right + 2 * camera.view.offsetX / camera.view.height) / size.x);
+  camera.zoom = 1.84 * Math.min(1 / size.y, camera.right / size.x);
   camera.updateProjectionMatrix();
   controls.update();
   draw();
