@@ -265,7 +265,7 @@ def write_page(folder):
     packed = {name: base64.b64encode(gzip.compress(part, 6, mtime=0)).decode() for name, part in parts.items()}
     scripts = "\n".join(f'<script type="text/plain" id="{name}">{text}</script>' for name, text in packed.items())
     page, *code = ((HERE / "viewer" / name).read_text()
-                   for name in ("page.html", "scene.js", "marks.js", "panels.js"))
+                   for name in ("page.html", "scene.js", "marks.js", "curves.js", "panels.js"))
     for mark, text in (("title", html.escape(title)), ("scripts", "\n".join(code)), ("data", scripts)):
         page = page.replace(f"<!-- {mark} -->", text)
     (folder / "page.html").write_text(page)

@@ -87,6 +87,7 @@ function showFrame(k) {
   $("label").textContent = `${data.labels[k]} (${k + 1} of ${frames})` +
     (worst.length ? `: worst ${field.title} ${format(field.values[k][worst[0]])}` : "");
   showRow();
+  for (const {now} of charts) now();
   update();
 }
 let shownTable = -1;
@@ -200,8 +201,10 @@ $("space").hidden = dim === 2;
 document.querySelector("footer").hidden = frames < 2;
 if (data.tables.length) showTable(0);
 resize();
+for (const {draw} of charts) draw();
 chooseField(0);
 fit();
 new ResizeObserver(resize).observe($("view"));
+new ResizeObserver(() => charts.forEach(({draw}) => draw())).observe($("curves"));
 document.body.dataset.ready = "yes";
 Object.assign(globalThis, {page: {camera, controls, rebuild, draw: drawNow, sides: sidesOnScreen}});
