@@ -26,7 +26,7 @@ std::optional<int> parse_int(std::string_view text, int lowest = std::numeric_li
 // Shortest text that parse_double() turns into the same bits, as %g prints it: 0.0005, 1e-08, 841.
 std::string to_text(double value);
 
-// The parts one after the other: texts, integers in decimal, and decimal numbers as to_text() shows them.
+// The parts one after the other: texts, integers in decimal, decimal numbers as to_text() shows them, and enumerators.
 template <class... Parts>
 std::string concat(const Parts&... parts) {
     std::string text;
@@ -34,6 +34,7 @@ std::string concat(const Parts&... parts) {
         static_assert(!std::is_same_v<Part, char> && !std::is_same_v<Part, bool>, "neither a text nor a number");
         if constexpr (std::is_integral_v<Part>) text += std::to_string(part);
         else if constexpr (std::is_floating_point_v<Part>) text += to_text(part);
+        else if constexpr (std::is_enum_v<Part>) text += to_string(part);
         else text += part;
     };
     (append(parts), ...);
@@ -81,9 +82,10 @@ std::size_t closing_quote(std::string_view text);
 // quote stands inside.
 std::optional<std::string> without_quotes(std::string_view text);
 
-// A row of the list of keys: what is written and what it means.
+// A row of the list of keys: what is written and what it means. unit: of a number, "count", "1", "length" (that of the
+// mesh file), "length^n" (n: the dimension), "s", "MB".
 struct Named {
-    const char *name, *meaning;
+    const char *name, *meaning, *unit = "";
 };
 
 // The row of a table, that is of a range of rows with a member `name`, or nullptr.
