@@ -5,24 +5,21 @@
 //   expect relative_quality = 0.9365 +- 0.0005
 //   expect max_distortion <= 2.8
 //
-// A decimal number is compared with = and a tolerance, a count or a word with = alone. Name, kind, meaning and value of
-// every quantity: one table in summary.cpp.
+// A decimal number is compared with = and a tolerance, a count or a word with = alone. Name, meaning, unit and value
+// of every quantity: one table in summary.cpp.
 #pragma once
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "base/text.hpp"
+#include "base/table.hpp"
 
 namespace almesh {
 
 struct Problem;
 struct Solution;
 
-struct SummaryEntry {
-    std::string name, value;
-};
-using Summary = std::vector<SummaryEntry>;  // in the order of summary.txt
+using Summary = Cells;  // in the order of summary.txt
 
 Summary summarise(const Problem& problem, const Solution& solution);
 

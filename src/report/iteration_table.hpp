@@ -5,13 +5,13 @@
 // is overwritten. history.csv: one row per augmented Lagrangian iteration (kind `al`, row 0 the mesh at the start) and,
 // before it, one per Newton iteration of its subproblem (kind `newton`); first of all one per coarser mesh (kind
 // `coarse`: its last iteration, all its Newton steps). Columns that a kind does not have are empty. Name, meaning and
-// cells of every column: one table in iteration_table.cpp. Numbers with all digits.
+// cells of every column: one table in iteration_table.cpp. Numbers with all digits. In JSON each row is an object.
 #pragma once
 #include <cstdio>
 #include <string>
 #include <vector>
 
-#include "base/text.hpp"
+#include "base/table.hpp"
 #include "problem/solution.hpp"
 
 namespace almesh {
@@ -25,7 +25,7 @@ std::vector<Named> history_columns();  // for the list of keys
 class IterationTable {
 public:
     // Prints the header of the table, if it is shown. run: its id.
-    IterationTable(std::FILE* out, const Units& units, const std::string& run, bool is_shown = true);
+    IterationTable(const Output& out, const Units& units, const std::string& run, bool is_shown = true);
 
     void add(const Stage& stage);
     void add(const AlIteration& row);
@@ -38,11 +38,12 @@ public:
     int fallbacks = 0;     // those in which an iterative solver failed and Cholesky took over
 
 private:
-    std::FILE* out_;
+    Output out_;
     bool is_shown_, is_terminal_;
     Units units_;
     std::string run_;
     std::string rows_;
+    void keep(const Cells& row);
     // update: nullptr for the mesh at the start.
     void show(const AlIteration& row, const char* update, const std::string& note);
 };
