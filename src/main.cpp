@@ -36,7 +36,7 @@ void keep_freed_memory() {
 // An exception cannot leave a parallel loop: a failed allocation inside one would call std::terminate.
 void end_without_memory() {
     std::fflush(stdout);
-    std::fputs(almesh::out_of_memory, stderr);
+    std::fprintf(stderr, "almesh: %s\n", almesh::out_of_memory);
     std::_Exit(static_cast<int>(almesh::ExitCode::input));
 }
 

@@ -39,6 +39,7 @@ constexpr const char* help =
     "  almesh --keys                 list the keys of a deck with defaults, legal values and meaning\n"
     "  almesh --version              print version, commit and compiler\n"
     "  almesh --help                 print this text\n"
+    "  --json, anywhere              for programs: JSON instead, an object on each line; this text goes to stderr\n"
     "\n"
     "A deck is plain text, for instance inputs/circle.deck:\n"
     "  mesh = meshes/circle.msh\n"
@@ -68,12 +69,13 @@ Deck deck_of_mesh(const std::vector<std::string>& arguments, std::string* before
 }
 
 // Of the commands for which what they print is all there is; nothing for others.
-std::optional<ExitCode> print_result(const std::vector<std::string>& arguments, std::FILE* out) {
-    const std::string& first = arguments[0];
-    const auto print = [out](const std::string& text) {
+std::optional<ExitCode> print_result(const std::vector<std::string>& arguments, const Output& out) {
+    const auto print = [&out](const std::string& text) {
         std::fputs(text.c_str(), out);
         return ExitCode::success;
     };
+    if (arguments.empty()) return print(help), ExitCode::usage;
+    const std::string& first = arguments[0];
     const auto asks = [](const std::string& argument) { return argument == "--help" || argument == "-h"; };
     if (std::any_of(arguments.begin(), arguments.end(), asks)) return print(help);
     if (first == "--keys") return print(keys_table(history_columns()));
@@ -108,7 +110,7 @@ bool is_mesh(const std::string& path) {
 }
 
 // The results are files: whoever reads what is printed may go away, at the end of the program too.
-ExitCode write_results(const std::vector<std::string>& arguments, std::FILE* out) {
+ExitCode write_results(const std::vector<std::string>& arguments, const Output& out) {
     std::signal(SIGPIPE, SIG_IGN);
     const std::string& first = arguments[0];
     if (first == "adjoint" || first == "tangent") return differentiate(arguments, out);
@@ -118,31 +120,30 @@ ExitCode write_results(const std::vector<std::string>& arguments, std::FILE* out
     return run(read_deck(first, {arguments.begin() + 1, arguments.end()}), out);
 }
 
-ExitCode dispatch(const std::vector<std::string>& arguments, std::FILE* out) {
-    if (arguments.empty()) {
-        std::fputs(help, out);
-        return ExitCode::usage;
-    }
-    const auto printed = print_result(arguments, out);
-    if (!printed) return write_results(arguments, out);
-    if (std::fflush(out) != 0 || std::ferror(out)) throw InputError("cannot write the output: ", std::strerror(errno));
-    return *printed;
-}
-
 }  // namespace
 
-int command_line(const std::vector<std::string>& arguments, std::FILE* out, std::FILE* error) {
+int command_line(std::vector<std::string> arguments, std::FILE* out, std::FILE* error) {
+    const Output to = std::erase(arguments, "--json") > 0 ? Output(error, out) : Output(out);
+    const auto end = [&](ExitCode code, const std::string& wrong) {
+        if (!wrong.empty()) std::fprintf(error, "almesh: %s\n", wrong.c_str());
+        to.end->insert(to.end->begin(), {{"arguments", json({arguments.begin(), arguments.end()})},
+                                         {"version", version()}, {"commit", commit()},
+                                         {"exit_code", static_cast<int>(code)}, {"error", wrong}});
+        to.tell("end", *to.end);
+        return static_cast<int>(code);
+    };
     try {
-        return static_cast<int>(dispatch(arguments, out));
+        const auto printed = print_result(arguments, to);
+        const int code = end(printed ? *printed : write_results(arguments, to), "");
+        if (printed && (std::fflush(out) != 0 || std::ferror(out)))
+            throw InputError("cannot write the output: ", std::strerror(errno));
+        return code;
     } catch (const Error& problem) {
-        std::fprintf(error, "almesh: %s\n", problem.what());
-        return static_cast<int>(problem.exit_code);
+        return end(problem.exit_code, problem.what());
     } catch (const std::bad_alloc&) {
-        std::fputs(out_of_memory, error);
-        return static_cast<int>(ExitCode::input);
+        return end(ExitCode::input, out_of_memory);
     } catch (const std::exception& unexpected) {
-        std::fprintf(error, "almesh: unexpected error: %s\n", unexpected.what());
-        return static_cast<int>(ExitCode::input);
+        return end(ExitCode::input, concat("unexpected error: ", unexpected.what()));
     }
 }
 

@@ -1,4 +1,4 @@
-// The program's commands. Results go to `out`.
+// The program's commands. What they say goes to `out`; its objects: outputs/schema.json.
 #pragma once
 #include <cstdio>
 #include <functional>
@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/table.hpp"
 
 namespace almesh {
 
@@ -13,8 +14,8 @@ struct Deck;
 struct Problem;
 struct Solution;
 
-// arguments: without the program's name. Prints errors to `error`; returns the exit code.
-int command_line(const std::vector<std::string>& arguments, std::FILE* out, std::FILE* error);
+// arguments: without the program's name. Prints errors to `error`, with --json all text; returns the exit code.
+int command_line(std::vector<std::string> arguments, std::FILE* out, std::FILE* error);
 
 // One run of a deck, from the mesh file to the files of results, with a table of its iterations. Throws Error for what
 // the user can mend before anything is solved.
@@ -25,24 +26,24 @@ struct RunHooks {
     std::function<void()> stepped = {};  // after every Newton step, and every part of a mesh that is curved in place
     double seconds_between_meshes = 60;  // that are written on the way (deck/so_far.hpp)
 };
-ExitCode run(const Deck& deck, std::FILE* out, const RunHooks& hooks = {});
+ExitCode run(const Deck& deck, const Output& out, const RunHooks& hooks = {});
 
 // The same of a motion in time. The exit code is that of the worst frame. Throws Error where a frame cannot begin,
 // unless keep_going.
-ExitCode run_frames(const Deck& deck, std::FILE* out);
+ExitCode run_frames(const Deck& deck, const Output& out);
 
 // Derivatives of the moved mesh (method/derivative.hpp). arguments: `adjoint` or `tangent`, a deck, files of vectors at
 // nodes, settings. Throws Error where there are none.
-ExitCode differentiate(const std::vector<std::string>& arguments, std::FILE* out);
+ExitCode differentiate(const std::vector<std::string>& arguments, const Output& out);
 
 // Certificate and statistics of the deck's mesh. success: every element is certified valid, else not_certified. before:
 // a file of the same mesh, from which the distance of the boundary is measured; "": none. Throws InputError for a file
 // that is no mesh, and where the two are not the same.
-ExitCode quality(const Deck& deck, const std::string& before, std::FILE* out);
+ExitCode quality(const Deck& deck, const std::string& before, const Output& out);
 
 // What is in the deck's mesh file, as comments, and a deck to start from, wherever it is put: all boundaries fixed,
 // and the keys that were given. Throws InputError for a file that is no mesh.
-ExitCode info(const Deck& deck, std::FILE* out);
+ExitCode info(const Deck& deck, const Output& out);
 
 // A run for each combination of the values of the lines `sweep`. arguments: DECK, settings of the command line, and at
 // most one of
@@ -55,6 +56,6 @@ ExitCode info(const Deck& deck, std::FILE* out);
 // results: a row for each run that has ended, with all quantities of its summary. The exit code is the lowest of a run
 // but success; a run that is missing counts as not_converged. Throws UsageError for what is wrong with any run's deck
 // before the first one starts, and InputError where another sweep writes to the folder.
-ExitCode sweep(const std::vector<std::string>& arguments, std::FILE* out);
+ExitCode sweep(const std::vector<std::string>& arguments, const Output& out);
 
 }  // namespace almesh

@@ -40,6 +40,6 @@ struct SettingError : UsageError {
 };
 
 // Printed where an allocation fails; the exit code is `input`.
-inline constexpr const char* out_of_memory = "almesh: out of memory; a coarser mesh takes less\n";
+inline constexpr const char* out_of_memory = "out of memory; a coarser mesh takes less";
 
 }  // namespace almesh

@@ -16,22 +16,9 @@
 namespace almesh {
 namespace {
 
-constexpr const char* heading =
-    "frame,t,status,exit_code,newton_steps,max_distortion,relative_quality,certified_bound,certified,started_from,"
-    "path,seconds,note\n";
-
 std::string csv_of(const Deck& deck) { return deck.output + "/frames.csv"; }
 std::string history_of(const Deck& deck) { return deck.output + "/history.csv"; }
 std::string series_of(const Deck& deck) { return deck.output + "/frames.vtk.series"; }
-
-std::string line_of(const FrameRow& row) {
-    const bool is_solved = !row.started_from.empty();
-    const auto of_mesh = [&](const Cell& cell) { return is_solved ? cell : ""; };
-    return csv_row({row.label(), row.t, row.status, static_cast<int>(row.code), of_mesh(row.newton_steps),
-                    of_mesh(row.max_distortion), of_mesh(row.relative_quality), of_mesh(row.min_certified_bound),
-                    of_mesh(row.certified ? "yes" : "no"), row.started_from, row.path, rounded_down(row.seconds, 4),
-                    sentence(row.note)});
-}
 
 // What the table needs of it; number 0 where it is no row.
 FrameRow row_of(std::string_view line) {
@@ -60,6 +47,17 @@ void FrameRow::refuse(const Error& error) {
     code = error.exit_code;
     status = "refused";
     note = error.what();
+}
+
+Cells FrameRow::cells(bool with_mesh) const {
+    const auto of_mesh = [&](const Cell& cell) { return started_from.empty() ? "" : cell; };
+    Cells cells = {{"frame", label()}, {"t", t}, {"status", status}, {"exit_code", static_cast<int>(code)},
+                   {"newton_steps", of_mesh(newton_steps)}, {"max_distortion", of_mesh(max_distortion)},
+                   {"relative_quality", of_mesh(relative_quality)}, {"certified_bound", of_mesh(min_certified_bound)},
+                   {"certified", of_mesh(certified ? "yes" : "no")}, {"started_from", started_from}, {"path", path},
+                   {{"seconds", "", "s"}, rounded_down(seconds, 4)}, {"note", sentence(note)}};
+    if (with_mesh) cells.emplace_back("mesh", mesh);
+    return cells;
 }
 
 bool FrameRow::has_mesh() const { return status == status_row(Status::converged).name; }
@@ -97,7 +95,7 @@ bool FrameTable::place(const FrameRow& row, const std::string& line) {
 }
 
 void FrameTable::add(const FrameRow& row, bool writes) {
-    const bool at_end = place(row, line_of(row));
+    const bool at_end = place(row, csv_row(row.cells(false)));
     for (const std::string_view line : split(row.history, '\n'))
         if (!line.empty()) history_ += concat(row.number, ",", line, "\n");
     if (row.between > 0 || !writes) return;
@@ -111,7 +109,7 @@ void FrameTable::add(const FrameRow& row, bool writes) {
 }
 
 void FrameTable::write() {
-    std::string csv = heading;
+    std::string csv = csv_heading(FrameRow().cells(false));
     std::vector<std::pair<std::string, double>> series;
     for (const Entry& frame : frames_) {
         csv += frame.lines;

@@ -26,6 +26,14 @@ std::string box_text(const Mesh& mesh, const std::vector<int>& nodes) {
     return position_text(box.low.data(), mesh.dim) + " to " + position_text(box.high.data(), mesh.dim);
 }
 
+// The least coordinates of the nodes, and the largest ones.
+Cell json_box(const Mesh& mesh, const std::vector<int>& nodes) {
+    const Box box = box_of(positions(mesh, mesh.x, nodes.data(), static_cast<int>(nodes.size())));
+    Cells corners(box.low.begin(), box.low.begin() + mesh.dim);
+    corners.insert(corners.end(), box.high.begin(), box.high.begin() + mesh.dim);
+    return json(corners);
+}
+
 const char* measure(const Mesh& mesh) { return mesh.dim == 2 ? "area" : "volume"; }
 
 // Points and curves, and faces of no group inside the mesh.
@@ -44,28 +52,29 @@ std::string kept_text(const Mesh& mesh) {
 // Of cells, under a title that it shares with those beside it.
 struct Group {
     const char* title;
-    std::string name, cells;
+    std::string name;
+    std::size_t count;
+    const char* cell;
     std::vector<int> nodes;
+    double size = 0;  // of volumes
 };
 
 std::vector<Group> groups_with_motions(const Mesh& mesh, const std::vector<GroupCells>& inner,
                                        const std::vector<GroupCells>& volumes) {
     std::vector<Group> groups;
-    std::vector<int> faces(mesh.boundaries.size(), 0);
-    for (const std::string& name : mesh.boundaries) groups.push_back({"Boundaries", name, "", {}});
+    for (const std::string& name : mesh.boundaries) groups.push_back({"Boundaries", name, 0, "face", {}});
     for (int f = 0; f < mesh.face_count(); ++f) {
         std::vector<int>& nodes = groups[mesh.face_boundary[f]].nodes;
         nodes.insert(nodes.end(), mesh.face(f), mesh.face(f) + mesh.face_nodes(f));
-        ++faces[mesh.face_boundary[f]];
+        ++groups[mesh.face_boundary[f]].count;
     }
-    for (std::size_t b = 0; b < faces.size(); ++b) groups[b].cells = counted(faces[b], "face");
     const std::vector<KeptFace> kept = kept_faces(mesh);
     for (const GroupCells& group : inner) {
         std::vector<int> nodes;
         for (const int c : group.cells)
             nodes.insert(nodes.end(), kept[c].nodes, kept[c].nodes + kept[c].cell->node_count(mesh.degree));
-        groups.push_back({"Inside the mesh (free unless a line moves them)", group.name,
-                          counted(group.cells.size(), "face"), nodes});
+        groups.push_back({"Inside the mesh (free unless a line moves them)", group.name, group.cells.size(), "face",
+                          nodes});
     }
     const std::vector<double> straight = straight_sided(mesh);
     for (const GroupCells& group : volumes) {
@@ -75,9 +84,8 @@ std::vector<Group> groups_with_motions(const Mesh& mesh, const std::vector<Group
             nodes.insert(nodes.end(), mesh.element(e), mesh.element(e) + mesh.element_nodes(e));
             size += volume(mesh, straight, e);
         }
-        groups.push_back({"Volumes (free unless a line moves them)", group.name,
-                          concat(counted(group.cells.size(), "element"), ", ", measure(mesh), " ", to_text(size, 6)),
-                          nodes});
+        groups.push_back({"Volumes (free unless a line moves them)", group.name, group.cells.size(), "element", nodes,
+                          size});
     }
     return groups;
 }
@@ -88,7 +96,7 @@ void add_carried_groups(const Mesh& mesh, std::vector<Group>& groups) {
         const KeptCells& kept = mesh.kept[dim];
         const int width = kept.count() ? static_cast<int>(kept.nodes.size()) / kept.count() : 0;
         std::map<int, std::vector<int>> nodes;
-        std::map<int, int> cells;
+        std::map<int, std::size_t> cells;
         for (int c = 0; c < kept.count(); ++c) {
             if (!kept.physical[c]) continue;
             ++cells[kept.physical[c]];
@@ -96,24 +104,31 @@ void add_carried_groups(const Mesh& mesh, std::vector<Group>& groups) {
         }
         for (const auto& [tag, count] : cells)
             groups.push_back({dim == 0 ? "Points (carried along)" : "Curves (carried along)",
-                              group_name(mesh.file.groups, dim, tag), counted(count, simplex(dim).name), nodes[tag]});
+                              group_name(mesh.file.groups, dim, tag), count, simplex(dim).name, nodes[tag]});
     }
 }
 
 void print_groups(const Mesh& mesh, const std::vector<GroupCells>& inner, const std::vector<GroupCells>& volumes,
-                  std::FILE* out) {
+                  const Output& out) {
     std::vector<Group> groups = groups_with_motions(mesh, inner, volumes);
     std::size_t width = 0;
     for (const Group& group : groups) width = std::max(width, group.name.size());
     add_carried_groups(mesh, groups);
     std::string title;
-    for (auto& [of, name, cells, nodes] : groups) {
+    Cells rows;
+    for (auto& [of, name, count, cell, nodes, size] : groups) {
         if (title != of) print(out, "#\n# ", title = of, ":\n");
         std::sort(nodes.begin(), nodes.end());
         nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-        print(out, "#   ", padded(name, -static_cast<int>(width)), "  ", cells, ", ", nodes.size(), " nodes",
+        const bool has_size = std::string_view(cell) == "element";
+        rows.push_back(json({{"kind", title.substr(0, title.find(" ("))}, {"group", name}, {"cells", count},
+                             {"nodes", nodes.size()}, {"volume", has_size ? size : Cell("")},
+                             {"box", nodes.empty() ? "" : json_box(mesh, nodes)}}));
+        print(out, "#   ", padded(name, -static_cast<int>(width)), "  ", counted(count, cell),
+              has_size ? concat(", ", measure(mesh), " ", to_text(size, 6)) : "", ", ", nodes.size(), " nodes",
               nodes.empty() ? "" : ", " + box_text(mesh, nodes), "\n");
     }
+    out.add({{"groups", json(rows)}});
 }
 
 // What a run does with a mesh that is not valid.
@@ -189,16 +204,18 @@ void print_deck(const Deck& deck, const Mesh& mesh, const std::vector<GroupCells
 
 }  // namespace
 
-void describe_mesh(std::FILE* out, const Deck& deck, const Mesh& mesh, const std::vector<std::string>& notes) {
+void describe_mesh(const Output& out, const Deck& deck, const Mesh& mesh, const std::vector<std::string>& notes) {
     std::vector<int> all(mesh.nodes());
     std::iota(all.begin(), all.end(), 0);
+    const double size = volume(mesh, straight_sided(mesh));
+    const std::string kept = kept_text(mesh), validity = validity_of(deck, mesh);
+    out.add({{"volume", size}, {"box", json_box(mesh, all)}, {"carried_along", kept}, {"validity", validity}});
     print(out, "# ", deck.mesh, ", ", to_string(mesh.file.format), ": ", mesh.nodes(), " nodes, ",
           mesh.elements_text(), " of degree ", mesh.degree, "\n# ", box_text(mesh, all), ", ", measure(mesh), " ",
-          to_text(volume(mesh, straight_sided(mesh)), 6), " with straight sides\n");
-    if (const std::string kept = kept_text(mesh); !kept.empty())
-        print(out, "# carried along with the mesh: ", kept, "\n");
+          to_text(size, 6), " with straight sides\n");
+    if (!kept.empty()) print(out, "# carried along with the mesh: ", kept, "\n");
     for (const std::string& note : notes) print(out, "# note: ", note, "\n");
-    print(out, "# ", validity_of(deck, mesh), "\n");
+    print(out, "# ", validity, "\n");
 
     const std::vector<GroupCells> inner = inner_groups(mesh), volumes = volume_groups(mesh);
     print_groups(mesh, inner, volumes, out);

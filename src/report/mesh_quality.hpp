@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/table.hpp"
 #include "mesh/mesh.hpp"
 
 namespace almesh {
@@ -19,7 +20,7 @@ using QualityChange = std::vector<QualityMeasure>;
 QualityChange quality_change(const Mesh& mesh, const std::vector<double>& before, const std::vector<double>& x);
 
 // For the terminal: the least, the mean, and how many elements are below some values.
-std::string quality_table(const QualityChange& change, int degree);
+std::string quality_table(const Output& out, const QualityChange& change, int degree);
 
 // quality.csv: a row for each range of values, the first of all that are not positive; a column for each measure before
 // and after, numbers of elements.
@@ -27,7 +28,7 @@ std::string quality_csv(const QualityChange& change);
 
 // Quality and certificates of the mesh; where `before` is the name of a file, the distances and changes from where that
 // has the nodes, at `came` (else empty). folder: of invalid.csv, "" for none. Returns whether the mesh is certified.
-bool print_quality(std::FILE* out, const Mesh& mesh, const std::string& before, const std::vector<double>& came,
+bool print_quality(const Output& out, const Mesh& mesh, const std::string& before, const std::vector<double>& came,
                    const std::string& folder);
 
 }  // namespace almesh

@@ -31,17 +31,19 @@ void print_mesh(std::FILE* out, const Deck& deck, const Problem& problem) {
     std::fflush(out);
 }
 
-void report_improvement(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution) {
+void report_improvement(const Output& out, const Deck& deck, const Problem& problem, const Solution& solution) {
     const QualityChange change = quality_change(problem.mesh(), problem.mesh().x, solution.x);
-    print(out, quality_table(change, problem.mesh().degree));
+    print(out, quality_table(out, change, problem.mesh().degree));
     write_file(deck.output + "/quality.csv", quality_csv(change));
 }
 
-void print_volumes(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution) {
+void print_volumes(const Output& out, const Deck& deck, const Problem& problem, const Solution& solution) {
     const Mesh& mesh = problem.mesh();
     const std::vector<GroupCells> volumes = volume_groups(mesh);
     if (volumes.size() < 2) return;
     std::vector<Cells> rows;
+    Cells told;
+    const Units units = {mesh.dim, problem.frame.length};
     DistortionParams params = distortion_of(deck);
     params.curved_ideal = problem.is_own_ideal;
     for (const GroupCells& volume : volumes) {
@@ -58,6 +60,9 @@ void print_volumes(std::FILE* out, const Deck& deck, const Problem& problem, con
             for (const int e : volume.cells) params.regular.push_back(problem.regular[e]);
         const auto energy = make_energy(part, part.restricted(problem.ideal()), params);
         const DistortionStatistics found = energy->statistics(x);
+        told.push_back(json({{"group", volume.name}, {"elements", volume.cells.size()},
+                             {"energy", units.energy(energy->energy(x))}, {"relative_quality", found.relative_quality},
+                             {"max_distortion", found.max_distortion}, {"certified_bound", least}}));
         rows.push_back({volume.name, volume.cells.size(), scientific(energy->energy(x), 3),
                         fixed(found.relative_quality, 6), to_text(found.max_distortion, 4),
                         rounded_down(least, 4)});
@@ -65,6 +70,7 @@ void print_volumes(std::FILE* out, const Deck& deck, const Problem& problem, con
     const TextTable table{{{"volume", -6}, {"elements", 8}, {"energy", 9}, {"q", 8}, {"max eta", 9},
                            {"certified bound"}}};
     print(out, table.text(rows));
+    out.add({{"volumes", json(told)}});
 }
 
 }  // namespace almesh

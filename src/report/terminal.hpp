@@ -12,13 +12,13 @@ namespace almesh {
 void print_mesh(std::FILE* out, const Deck& deck, const Problem& problem);
 
 // How good the elements are before and after; also writes quality.csv.
-void report_improvement(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution);
+void report_improvement(const Output& out, const Deck& deck, const Problem& problem, const Solution& solution);
 
 // The last lines of a run's report. fallbacks: Newton steps in which Cholesky took over.
 void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution, int fallbacks);
 
 // For each physical group of elements, where there are several: energy, relative quality, and largest distortion as of
 // a mesh of its own; and certified bound.
-void print_volumes(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution);
+void print_volumes(const Output& out, const Deck& deck, const Problem& problem, const Solution& solution);
 
 }  // namespace almesh

@@ -126,11 +126,11 @@ Values times_unit(Values derivative, double unit, const std::string& what) {
 }
 
 // Returns what the terminal is told.
-std::string write_adjoint(const Deck& deck, const Problem& problem, Derivative& derivative,
+std::string write_adjoint(const Output& out, const Deck& deck, const Problem& problem, Derivative& derivative,
                           const std::vector<Column>& functions) {
     std::vector<BoundaryChange> slopes;
     std::string told;
-    Cells heading = {"constant", "value"};
+    Cells heading = {"constant", "value"}, found;
     for (const Column& J : functions) {
         slopes.push_back(derivative.adjoint(J.values));
         write_values(deck.output + "/adjoint-" + J.name + ".csv", problem.mesh(),
@@ -146,11 +146,13 @@ std::string write_adjoint(const Deck& deck, const Problem& problem, Derivative& 
             const double slope = times_unit(problem.frame.length * by_target, functions[j].unit,
                                             concat("of ", functions[j].name, " by ", constant.name));
             row.emplace_back(slope);
+            found.push_back(json({{"function", functions[j].name}, {"constant", constant.name}, {"slope", slope}}));
             told += concat("d ", functions[j].name, " / d ", constant.name, " = ", slope, "\n");
         }
         table += csv_row(row);
     }
     if (!deck.constants.empty()) write_file(deck.output + "/adjoint-constants.csv", table);
+    out.add({{"derivatives", json(found)}});
     return told;
 }
 
@@ -167,7 +169,7 @@ void write_tangent(const Deck& deck, const Problem& problem, Derivative& derivat
 
 }  // namespace
 
-ExitCode differentiate(const std::vector<std::string>& arguments, std::FILE* out) {
+ExitCode differentiate(const std::vector<std::string>& arguments, const Output& out) {
     const std::string& command = arguments[0];
     const bool adjoint = command == "adjoint";
     std::vector<std::string> files, settings;
@@ -203,7 +205,7 @@ ExitCode differentiate(const std::vector<std::string>& arguments, std::FILE* out
         Derivative derivative(level.mesh, *level.energy, *level.constraint, deck.linear);
         derivative.polish(solution.x);
         measure(*level.energy, *level.constraint, solution.x, solution.al.distortion, solution.al.iterations.back());
-        if (adjoint) told = write_adjoint(deck, problem, derivative, columns);
+        if (adjoint) told = write_adjoint(out, deck, problem, derivative, columns);
         else write_tangent(deck, problem, derivative, columns);
     };
     const ExitCode ended = run(deck, out, {begins, solved});

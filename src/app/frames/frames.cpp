@@ -40,12 +40,12 @@ const TextTable shown{{{"frame", 6}, {"t", 9}, {"status", -10}, {"Newton", 6}, {
 
 struct FrameRun {
     // times: none where `coupling` has them. start: the deck whose target the problem has at first.
-    FrameRun(const Deck& deck, const Deck& start, std::FILE* out, std::vector<double> times, Coupling* coupling)
+    FrameRun(const Deck& deck, const Deck& start, const Output& out, std::vector<double> times, Coupling* coupling)
         : deck_(deck), start_(start), out_(out), times_(std::move(times)), coupling_(coupling),
           problem_((EndAtInterrupts(), make_problem(start))) {}
 
     const Deck &deck_, &start_;
-    std::FILE* out_;
+    Output out_;
     std::optional<ResultsFolder> folder_;
     std::unique_ptr<std::FILE, int (*)(std::FILE*)> log_{nullptr, std::fclose};
     std::vector<double> times_;
@@ -140,7 +140,7 @@ struct FrameRun {
         const Deck now = deck_at(deck_, row.t, row.number, files_);
         if (row.number > 1 || coupling_) move_target(now, problem_);
         tell_notes();
-        IterationTable report(out_, {problem_.mesh().dim, problem_.frame.length}, problem_.run_id, false);
+        IterationTable report(out_.text, {problem_.mesh().dim, problem_.frame.length}, problem_.run_id, false);
         Solution solution = solver_.solve(now, before_, row.t, row.started_from, report.observer());
         row.history += report.rows();
         if (interrupted()) return;
@@ -180,6 +180,7 @@ struct FrameRun {
         if (!between.has_mesh() || !between.certified) return false;
         between.seconds = watch.seconds();
         done_.add(between);
+        out_.tell("frame", between.cells(true));
         show(between);
         return true;
     } catch (const InputError&) {
@@ -276,6 +277,7 @@ struct FrameRun {
             spent_ += row.seconds = watch.seconds();
             try {
                 done_.add(row, !folder_->is_kept());
+                out_.tell("frame", row.cells(true));
             } catch (const InputError& error) {  // a disk that is full
                 if (!coupling_) throw;
                 row.refuse(error);
@@ -295,11 +297,12 @@ struct FrameRun {
 
 }  // namespace
 
-ExitCode run_frames(const Deck& deck, std::FILE* out) {
+ExitCode run_frames(const Deck& deck, const Output& out) {
     const TimeLimit limit(deck.max_seconds);
     set_threads(deck.threads);
     check_times(deck);
     if (is_coupled(deck.frames)) {
+        if (out.objects) throw UsageError("frames = -: its answers are lines of their own: without --json");
         Coupling coupling(stdin, out, files_in_line(deck));
         return FrameRun(deck, deck_at_rest(deck), out, {}, &coupling).run();
     }

@@ -42,20 +42,28 @@ std::vector<double> positions_before(const std::string& path, const Mesh& mesh) 
     return x;
 }
 
+// The mesh as it is, told in JSON.
+Mesh read_and_tell(const Deck& deck, std::vector<std::string>& notes, const Output& out) {
+    set_threads(deck.threads);
+    Mesh mesh = read_as_it_is(deck.mesh, notes);
+    out.add({{"mesh", deck.mesh}, {"format", to_string(mesh.file.format)}, {"dimension", mesh.dim},
+             {"degree", mesh.degree}, {"nodes", mesh.nodes()}, {"elements", mesh.element_count()},
+             {"notes", json({notes.begin(), notes.end()})}});
+    return mesh;
+}
+
 }  // namespace
 
-ExitCode info(const Deck& deck, std::FILE* out) {
-    set_threads(deck.threads);
+ExitCode info(const Deck& deck, const Output& out) {
     std::vector<std::string> notes;
-    const Mesh mesh = read_as_it_is(deck.mesh, notes);
+    const Mesh mesh = read_and_tell(deck, notes, out);
     describe_mesh(out, deck, mesh, notes);
     return ExitCode::success;
 }
 
-ExitCode quality(const Deck& deck, const std::string& before, std::FILE* out) {
-    set_threads(deck.threads);
+ExitCode quality(const Deck& deck, const std::string& before, const Output& out) {
     std::vector<std::string> notes;
-    const Mesh mesh = read_as_it_is(deck.mesh, notes);
+    const Mesh mesh = read_and_tell(deck, notes, out);
     print(out, deck.mesh, ": ", mesh.nodes(), " nodes, ", mesh.elements_text(), " of degree ", mesh.degree, "\n");
     for (const std::string& note : notes) print(out, "note: ", note, "\n");
 

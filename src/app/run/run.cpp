@@ -68,7 +68,8 @@ ExitCode code_of(const Solution& solution, const std::string& failed, bool as_ex
 
 }  // namespace
 
-ExitCode run(const Deck& deck, std::FILE* out, const RunHooks& hooks) {
+ExitCode run(const Deck& deck, const Output& out, const RunHooks& hooks) {
+    out.add({{"output", deck.output}});
     if (!deck.frames.empty()) return run_frames(deck, out);
     // 1. Mesh, target and everything that can be wrong with them; the folder for the results.
     const EndAtInterrupts ending;
@@ -109,6 +110,7 @@ ExitCode run(const Deck& deck, std::FILE* out, const RunHooks& hooks) {
     solution.time.run = watch.seconds();
     const Summary summary = summarise(problem, solution);
     write_summary(deck, summary);
+    out.add(summary);
     if (solution.al.status != Status::interrupted) remove_file(path_so_far(deck));
     print_uncertified(out, problem.mesh(), final_positions(problem, solution.x), solution.certificate, deck.output,
                       problem.infeasible);

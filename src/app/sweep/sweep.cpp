@@ -46,7 +46,7 @@ constexpr std::size_t most_runs = 100000;
 struct Run {
     int number = 0;    // from 1
     std::string name;  // of its folder: mu0=10,refine=1
-    std::vector<std::string> values;
+    Cells values;      // by the names of what they are of
     Deck deck;
     std::string id;   // what sweep.row begins with: of program, deck and its files
     std::string row;  // of sweep.csv, "" where the run has not ended
@@ -68,12 +68,18 @@ std::string in_shell_quotes(const std::string& text) {
     return quoted + "'";
 }
 
-// The row that the run has left, "" where it has not ended, or was another one.
-std::string row_in(const Run& run) {
+// Whether the run has ended. The row that it has left, unless it was another one, is read, and told in JSON, once.
+bool has_ended(Run& run, const Output& out) {
     const std::string file = run.deck.output + "/" + sweep_row;
     std::error_code error;
-    const std::string text = fs::exists(file, error) ? read_file(file) : "";
-    return text.starts_with(run.id) ? text.substr(run.id.size()) : "";
+    if (!run.row.empty() || !fs::exists(file, error)) return !run.row.empty();
+    const std::string text = read_file(file);
+    if (!text.starts_with(run.id)) return false;
+    const std::size_t begin = run.id.size(), end = text.find('\n', begin) + 1;
+    run.row = text.substr(begin, end - begin);
+    out.tell("run", {{"number", run.number}, {"output", run.deck.output},
+                     {{"results", "", "JSON"}, std::string(trim(std::string_view(text).substr(end)))}});
+    return true;
 }
 
 // Number, exit code, values, the quantities of summary.txt, and a note.
@@ -85,7 +91,7 @@ std::string heading(const Deck& deck) {
     return csv_row(cells);
 }
 
-// All but its number.
+// All but its number, and the same in JSON on a line of its own.
 std::string row_of(const Run& run, ExitCode code, const std::string& note) {
     const bool is_refused = code == ExitCode::usage || code == ExitCode::input;
     std::map<std::string, std::string, std::less<>> summary;
@@ -94,11 +100,12 @@ std::string row_of(const Run& run, ExitCode code, const std::string& note) {
     for (const std::string_view line : split(text, '\n'))
         if (const auto at = line.find(" = "); at != std::string_view::npos)
             summary.emplace(line.substr(0, at), line.substr(at + 3));
-    Cells cells = {static_cast<int>(code)};
-    cells.insert(cells.end(), run.values.begin(), run.values.end());
-    for (const Named& quantity : summary_quantities()) cells.emplace_back(summary[quantity.name]);
-    cells.emplace_back(note);
-    return csv_row(cells);
+    Cells cells = {{"exit_code", static_cast<int>(code)}, {"values", json(run.values)}};
+    for (const Named& quantity : summary_quantities()) cells.emplace_back(quantity, summary[quantity.name]);
+    cells.emplace_back("note", note);
+    const std::string line = json(cells).text + "\n";
+    cells.insert(cells.erase(cells.begin() + 1), run.values.begin(), run.values.end());
+    return csv_row(cells) + line;
 }
 
 std::string status_of(const Run& run) { return std::string(split(run.row, ',')[run.values.size() + 1]); }
@@ -149,7 +156,7 @@ struct SweepRun {
 
     std::string path_;
     std::vector<std::string> settings_;
-    std::FILE* out_;
+    Output out_;
     Deck deck_;
     std::vector<Run> runs_;
     std::set<std::string> names_;
@@ -161,7 +168,7 @@ struct SweepRun {
     std::string path(const char* name) const { return concat(deck_.output, "/", name); }
 
     // All decks are read before the first run starts.
-    SweepRun(const std::string& path, const std::vector<std::string>& settings, std::FILE* out)
+    SweepRun(const std::string& path, const std::vector<std::string>& settings, const Output& out)
         : path_(path), settings_(settings), out_(out), deck_(read_deck(path, settings)) {
         const std::vector<Sweep>& sweeps = deck_.sweeps;
         if (sweeps.empty()) throw UsageError(path, ": there is no line `sweep KEY = VALUES`; one run is almesh ", path);
@@ -181,13 +188,13 @@ struct SweepRun {
     void add_run(const std::vector<std::string>& values) {
         Run run;
         run.number = static_cast<int>(runs_.size()) + 1;
-        run.values = values;
         std::vector<std::string> settings = settings_;
         for (std::size_t s = 0; s < values.size(); ++s) {
             const std::string& key = deck_.sweeps[s].name;
             const std::string name = find_row(deck_keys(), key) ? key : "let " + key;
             std::erase_if(settings, [&](const std::string& earlier) { return split(earlier, '=')[0] == name; });
             settings.push_back(concat(name, "=", values[s]));
+            run.values.emplace_back(key, values[s]);
             run.name += (s == 0 ? "" : ",") + as_name(concat(key, "=", values[s]));
         }
         if (!names_.insert(run.name).second) run.name += concat("-", run.number);
@@ -207,7 +214,7 @@ struct SweepRun {
     }
 
     void read_rows() {
-        for (Run& run : runs_) done_ += !(run.row = row_in(run)).empty();
+        for (Run& run : runs_) done_ += has_ended(run, out_);
         done_before_ = done_;
         if (done_ > 0) print(out_, done_, " of ", counted(runs_.size(), "run"), " done before\n");
     }
@@ -217,7 +224,7 @@ struct SweepRun {
         const Child child = children_.at(process);
         children_.erase(process);
         Run& run = *child.run;
-        done_ += !(run.row = row_in(run)).empty();
+        done_ += has_ended(run, out_);
         std::string how = run.row.empty() ? concat("no result, exit code ", WEXITSTATUS(status)) : status_of(run);
         if (WIFSIGNALED(status)) how = concat("killed by signal ", WTERMSIG(status));
         const double left = watch_.seconds() / std::max(1, done_ - done_before_) *
@@ -266,6 +273,7 @@ struct SweepRun {
             print(out_, runs_[k].name, "\n");
             std::fflush(out_);
             run_one(runs_[k]);
+            has_ended(runs_[k], out_);
         }
         return interrupted() ? ExitCode::not_converged : ExitCode::success;
     }
@@ -276,8 +284,7 @@ struct SweepRun {
         std::map<ExitCode, int> ended;
         int missing = 0;
         for (Run& run : runs_) {
-            run.row = row_in(run);
-            if (run.row.empty()) {
+            if (!has_ended(run, out_)) {
                 print(out_, "no result: ", run.name, "\n");
                 ++missing;
                 continue;
@@ -290,6 +297,7 @@ struct SweepRun {
             table += concat(run.number, ",", run.row);
         }
         write_file(path("sweep.csv"), table);
+        out_.add({{"runs", runs_.size()}, {"missing_runs", missing}, {"output", deck_.output}});
         std::string text = counted(runs_.size(), "run") + ":";
         for (const auto& [code, count] : ended)
             text += concat(" ", count, " of exit code ", static_cast<int>(code), ",");
@@ -337,7 +345,7 @@ std::pair<int, int> task_of(const std::string& text) {
 
 }  // namespace
 
-ExitCode sweep(const std::vector<std::string>& arguments, std::FILE* out) {
+ExitCode sweep(const std::vector<std::string>& arguments, const Output& out) {
     std::vector<std::string> settings;
     std::string mode, task;
     for (std::size_t i = 1; i < arguments.size(); ++i) {
