@@ -25,7 +25,7 @@ std::size_t bytes_of_character(std::string_view text) {
     return bytes;
 }
 
-std::string json_text(const Cell& cell) {
+std::string json_text(const Field& cell) {
     std::string_view text = cell.text;
     if (!cell.is_word && !text.ends_with('f') && !text.ends_with('n')) return text == "none" ? "null" : cell.text;
     std::string escaped;
@@ -46,9 +46,9 @@ std::string to_text(double value, int digits) { return formatted(value, std::cha
 std::string fixed(double value, int decimals) { return formatted(value, std::chars_format::fixed, decimals); }
 std::string scientific(double value, int decimals) { return formatted(value, std::chars_format::scientific, decimals); }
 
-std::string csv_row(const Cells& cells) {
+std::string csv_row(const Fields& cells) {
     std::string row;
-    for (const Cell& cell : cells) {
+    for (const Field& cell : cells) {
         std::string text = on_one_line(cell.text);
         std::replace(text.begin(), text.end(), '"', '\'');
         const bool bare = text.find(',') == std::string::npos && trim(text) == text;
@@ -58,46 +58,46 @@ std::string csv_row(const Cells& cells) {
     return row;
 }
 
-std::string csv_heading(const Cells& cells) {
+std::string csv_heading(const Fields& cells) {
     const std::vector<std::string> names = names_of(cells);
     return csv_row({names.begin(), names.end()});
 }
 
-Cell json(const Cells& cells) {
+Field json(const Fields& cells) {
     const bool is_object = !cells.empty() && !cells[0].name.empty();
     std::string text;
-    for (const Cell& cell : cells)
+    for (const Field& cell : cells)
         if (!is_object || !cell.text.empty())
             text += (text.empty() ? "" : ", ") + (is_object ? json_text(cell.name) + ": " : "") + json_text(cell);
     return {{"", "", "JSON"}, is_object ? "{" + text + "}" : "[" + text + "]"};
 }
 
-void Output::tell(const char* event, Cells cells) const {
+void Output::tell(const char* event, Fields cells) const {
     if (!objects) return;
-    cells.insert(cells.begin(), Cell("event", event));
+    cells.insert(cells.begin(), Field("event", event));
     print(objects, json(cells).text, "\n");
     std::fflush(objects);
 }
 
 std::string TextTable::heading() const {
-    Cells cells;
+    Fields cells;
     for (const TextColumn& column : columns) cells.emplace_back(column.heading);
     return line(cells);
 }
 
-std::string TextTable::line(const Cells& cells, const std::string& note) const {
+std::string TextTable::line(const Fields& cells, const std::string& note) const {
     std::string line;
     for (std::size_t k = 0; k < cells.size(); ++k)
         line += (k == 0 ? "" : "  ") + padded(cells[k].text, columns[k].width);
     return line + note + "\n";
 }
 
-std::string TextTable::text(const std::vector<Cells>& rows) const {
+std::string TextTable::text(const std::vector<Fields>& rows) const {
     TextTable fitted = *this;
     int& width = fitted.columns[0].width;
-    for (const Cells& row : rows) width = std::min(width, -static_cast<int>(row[0].text.size()));
+    for (const Fields& row : rows) width = std::min(width, -static_cast<int>(row[0].text.size()));
     std::string text = fitted.heading();
-    for (const Cells& row : rows) text += fitted.line(row);
+    for (const Fields& row : rows) text += fitted.line(row);
     return text;
 }
 

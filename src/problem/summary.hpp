@@ -19,7 +19,7 @@ namespace almesh {
 struct Problem;
 struct Solution;
 
-using Summary = Cells;  // in the order of summary.txt
+using Summary = Fields;  // in the order of summary.txt
 
 Summary summarise(const Problem& problem, const Solution& solution);
 

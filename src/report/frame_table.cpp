@@ -49,9 +49,9 @@ void FrameRow::refuse(const Error& error) {
     note = error.what();
 }
 
-Cells FrameRow::cells(bool with_mesh) const {
-    const auto of_mesh = [&](const Cell& cell) { return started_from.empty() ? "" : cell; };
-    Cells cells = {{"frame", label()}, {"t", t}, {"status", status}, {"exit_code", static_cast<int>(code)},
+Fields FrameRow::cells(bool with_mesh) const {
+    const auto of_mesh = [&](const Field& cell) { return started_from.empty() ? "" : cell; };
+    Fields cells = {{"frame", label()}, {"t", t}, {"status", status}, {"exit_code", static_cast<int>(code)},
                    {"newton_steps", of_mesh(newton_steps)}, {"max_distortion", of_mesh(max_distortion)},
                    {"relative_quality", of_mesh(relative_quality)}, {"certified_bound", of_mesh(min_certified_bound)},
                    {"certified", of_mesh(certified ? "yes" : "no")}, {"started_from", started_from}, {"path", path},

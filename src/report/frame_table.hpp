@@ -34,7 +34,7 @@ struct FrameRow {
     bool certified = false;
 
     void refuse(const Error& error);
-    Cells cells(bool with_mesh) const;  // of the table; with_mesh: and its file, which that has not
+    Fields cells(bool with_mesh) const;  // of the table; with_mesh: and its file, which that has not
     bool has_mesh() const;
     std::string label() const;      // "3", or "3-1"
     std::string file_name() const;  // "frame-0003", or "frame-0003-1"

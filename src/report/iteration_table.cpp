@@ -131,13 +131,13 @@ constexpr auto columns = std::to_array<Column>({
 
 // One line of the file; text_of(column) gives the text of its cell.
 template <class Text>
-Cells line(const Text& text_of) {
-    Cells cells;
+Fields line(const Text& text_of) {
+    Fields cells;
     for (const Column& column : columns) cells.emplace_back(column, text_of(column));
     return cells;
 }
 
-Cells line(Al row) {
+Fields line(Al row) {
     return line([&](const Column& column) {
         const bool has_cell = row.it.iteration > 0 || row.stage || column.at_start;
         return column.of_al && has_cell ? column.of_al(row) : std::string();
@@ -196,7 +196,7 @@ SolveObserver IterationTable::observer() {
     return observer;
 }
 
-void IterationTable::keep(const Cells& row) {
+void IterationTable::keep(const Fields& row) {
     rows_ += csv_row(row);
     out_.tell("iteration", row);
 }
@@ -204,7 +204,7 @@ void IterationTable::keep(const Cells& row) {
 void IterationTable::show(const AlIteration& row, const char* update, const std::string& note) {
     if (!is_shown_) return;
     const auto after = [&](const std::string& cell) { return update ? cell : "-"; };  // a minimisation
-    const Cells cells = {row.iteration, scientific(row.constraint_norm, 3), after(scientific(row.gradient_norm, 2)),
+    const Fields cells = {row.iteration, scientific(row.constraint_norm, 3), after(scientific(row.gradient_norm, 2)),
                          fixed(row.relative_quality, 6), to_text(row.max_distortion, 4), after(scientific(row.mu, 2)),
                          update ? update : "-", after(concat(row.newton_iterations)), fixed(row.seconds, 2) + "s"};
     print(out_, is_terminal_ ? clear_line : "", shown.line(cells, note));

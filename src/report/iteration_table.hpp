@@ -43,7 +43,7 @@ private:
     Units units_;
     std::string run_;
     std::string rows_;
-    void keep(const Cells& row);
+    void keep(const Fields& row);
     // update: nullptr for the mesh at the start.
     void show(const AlIteration& row, const char* update, const std::string& note);
 };

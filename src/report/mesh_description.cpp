@@ -27,9 +27,9 @@ std::string box_text(const Mesh& mesh, const std::vector<int>& nodes) {
 }
 
 // The least coordinates of the nodes, and the largest ones.
-Cell json_box(const Mesh& mesh, const std::vector<int>& nodes) {
+Field json_box(const Mesh& mesh, const std::vector<int>& nodes) {
     const Box box = box_of(positions(mesh, mesh.x, nodes.data(), static_cast<int>(nodes.size())));
-    Cells corners(box.low.begin(), box.low.begin() + mesh.dim);
+    Fields corners(box.low.begin(), box.low.begin() + mesh.dim);
     corners.insert(corners.end(), box.high.begin(), box.high.begin() + mesh.dim);
     return json(corners);
 }
@@ -115,14 +115,14 @@ void print_groups(const Mesh& mesh, const std::vector<GroupCells>& inner, const 
     for (const Group& group : groups) width = std::max(width, group.name.size());
     add_carried_groups(mesh, groups);
     std::string title;
-    Cells rows;
+    Fields rows;
     for (auto& [of, name, count, cell, nodes, size] : groups) {
         if (title != of) print(out, "#\n# ", title = of, ":\n");
         std::sort(nodes.begin(), nodes.end());
         nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
         const bool has_size = std::string_view(cell) == "element";
         rows.push_back(json({{"kind", title.substr(0, title.find(" ("))}, {"group", name}, {"cells", count},
-                             {"nodes", nodes.size()}, {"volume", has_size ? size : Cell("")},
+                             {"nodes", nodes.size()}, {"volume", has_size ? size : Field("")},
                              {"box", nodes.empty() ? "" : json_box(mesh, nodes)}}));
         print(out, "#   ", padded(name, -static_cast<int>(width)), "  ", counted(count, cell),
               has_size ? concat(", ", measure(mesh), " ", to_text(size, 6)) : "", ", ", nodes.size(), " nodes",

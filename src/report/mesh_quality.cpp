@@ -31,7 +31,7 @@ std::string worst_elements(const Output& out, const Mesh& mesh, const std::vecto
     std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return value[a] < value[b]; });
     order.resize(std::min<std::size_t>(order.size(), 10));
     std::vector<std::string> others(quality.size());
-    Cells worst;
+    Fields worst;
     for (const int e : order) {
         others[e] = concat(rounded_down(bound[e], 4), "  ", rounded_down(quality[e], 4));
         worst.push_back(json({{"element", mesh.file.element_id[e]}, {"scaled_jacobian", corner[e]},
@@ -58,7 +58,7 @@ std::string quality_table(const Output& out, const QualityChange& change, int de
     constexpr std::array bounds = {0.1, 0.2, 0.3, 0.5};
     std::vector<TextColumn> columns = {{"elements", -24}, {"least", 8}, {"mean", 8}, {"<= 0", 7}};
     for (const double bound : bounds) columns.push_back({concat("< ", bound), 7});
-    std::vector<Cells> rows;
+    std::vector<Fields> rows;
     for (const QualityMeasure& measure : change) {
         const std::vector<double>& values = measure.values;
         const auto count = [&](const auto& is) { return std::count_if(values.begin(), values.end(), is); };
@@ -66,7 +66,7 @@ std::string quality_table(const Output& out, const QualityChange& change, int de
         const double mean = deterministic_sum(elements, [&](int e) { return values[e]; }) / elements;
         const double least = *std::min_element(values.begin(), values.end());
         out.add({{measure.column + "_least", least}, {measure.column + "_mean", mean}});
-        Cells row = {measure.title, rounded_down(least, 4), fixed(mean, 4),
+        Fields row = {measure.title, rounded_down(least, 4), fixed(mean, 4),
                      count([](double value) { return value <= 0; })};
         for (const double bound : bounds) row.push_back(count([bound](double value) { return value < bound; }));
         rows.push_back(row);
@@ -76,8 +76,8 @@ std::string quality_table(const Output& out, const QualityChange& change, int de
 }
 
 std::string quality_csv(const QualityChange& change) {
-    Cells heading = {"low", "high"};
-    std::vector<Cells> rows;
+    Fields heading = {"low", "high"};
+    std::vector<Fields> rows;
     for (int b = 0; b <= bins; ++b)
         rows.push_back({b == 0 ? lowest : (b - 1.0) / bins, static_cast<double>(b) / bins});
     for (const QualityMeasure& measure : change) {
@@ -87,7 +87,7 @@ std::string quality_csv(const QualityChange& change) {
         for (int b = 0; b <= bins; ++b) rows[b].push_back(counts[b]);
     }
     std::string text = csv_row(heading);
-    for (const Cells& row : rows) text += csv_row(row);
+    for (const Fields& row : rows) text += csv_row(row);
     return text;
 }
 
@@ -100,7 +100,7 @@ bool print_quality(const Output& out, const Mesh& mesh, const std::string& befor
           "\nworst elements", worst_elements(out, mesh, certificate.certified_bound, shape.quality), "\n");
     if (!before.empty()) {
         const std::vector<BoundaryDistance> distances = boundary_distances(mesh, came, mesh.x);
-        Cells rows;
+        Fields rows;
         for (const BoundaryDistance& of : distances)
             rows.push_back(json({{"boundary", mesh.boundaries[of.boundary]}, {"boundary_distance", of.largest},
                                  {"relative_boundary_distance", of.relative_largest}}));

@@ -221,7 +221,7 @@ void write_results(const Deck& deck, const Problem& problem, const Solution& sol
 
 void write_summary(const Deck& deck, const Summary& summary) {
     std::string lines;
-    for (const Cell& quantity : summary) lines += quantity.name + " = " + quantity.text + "\n";
+    for (const Field& quantity : summary) lines += quantity.name + " = " + quantity.text + "\n";
     write_file(deck.output + "/summary.txt", lines);
     write_file(deck.output + "/expectations.csv", expectations_csv(deck.expectations, summary));
 }

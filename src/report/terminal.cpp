@@ -41,8 +41,8 @@ void print_volumes(const Output& out, const Deck& deck, const Problem& problem, 
     const Mesh& mesh = problem.mesh();
     const std::vector<GroupCells> volumes = volume_groups(mesh);
     if (volumes.size() < 2) return;
-    std::vector<Cells> rows;
-    Cells told;
+    std::vector<Fields> rows;
+    Fields told;
     const Units units = {mesh.dim, problem.frame.length};
     DistortionParams params = distortion_of(deck);
     params.curved_ideal = problem.is_own_ideal;

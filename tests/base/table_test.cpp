@@ -28,7 +28,7 @@ TEST_CASE("JSON: numbers with all digits or as words, words escaped, members wit
     CHECK(json({3, 0.1, -inf, std::numeric_limits<double>::quiet_NaN(), 1e-300, 1LL << 40}).text ==
           "[3, 0.1, \"-inf\", \"nan\", 1e-300, 1099511627776]");
     const Named length = {"length", "", "m"}, word = {"word", ""};
-    const Cell none = {length, "none"}, digits = {word, "12"}, some = {length, "12"}, empty = {length, ""};
+    const Field none = {length, "none"}, digits = {word, "12"}, some = {length, "12"}, empty = {length, ""};
     CHECK(json({none, digits, some, empty}).text == "{\"length\": null, \"word\": \"12\", \"length\": 12}");
     CHECK(json({{"a", json({})}, {"b", json({{"c", "none"}})}}).text == "{\"a\": [], \"b\": {\"c\": \"none\"}}");
     CHECK(json({"\"\\/", "\b\f\n\r\t", std::string(1, '\0'), "\x1F\x7F"}).text ==

@@ -54,7 +54,7 @@ void write_values(const std::string& path, const Mesh& mesh, const Values& value
     std::string text = mesh.dim == 2 ? "node,x,y\n" : "node,x,y,z\n";
     for (int i = 0; i < mesh.nodes(); ++i) {
         if (!chosen[i]) continue;
-        Cells row = {mesh.file.node_id[i]};
+        Fields row = {mesh.file.node_id[i]};
         row.insert(row.end(), point(values, i, mesh.dim), point(values, i, mesh.dim) + mesh.dim);
         text += csv_row(row);
     }
@@ -130,7 +130,7 @@ std::string write_adjoint(const Output& out, const Deck& deck, const Problem& pr
                           const std::vector<Column>& functions) {
     std::vector<BoundaryChange> slopes;
     std::string told;
-    Cells heading = {"constant", "value"}, found;
+    Fields heading = {"constant", "value"}, found;
     for (const Column& J : functions) {
         slopes.push_back(derivative.adjoint(J.values));
         write_values(deck.output + "/adjoint-" + J.name + ".csv", problem.mesh(),
@@ -140,7 +140,7 @@ std::string write_adjoint(const Output& out, const Deck& deck, const Problem& pr
     std::string table = csv_row(heading);
     for (const Constant& constant : deck.constants) {
         const BoundaryChange change = change_by(deck, problem, derivative, constant);
-        Cells row = {constant.name, constant.value};
+        Fields row = {constant.name, constant.value};
         for (std::size_t j = 0; j < functions.size(); ++j) {
             const double by_target = dot(slopes[j].shift, change.shift) + dot(slopes[j].force, change.force);
             const double slope = times_unit(problem.frame.length * by_target, functions[j].unit,

@@ -188,7 +188,7 @@ struct FrameRun {
     }
 
     void show(const FrameRow& row) {
-        Cells cells = {row.label(), to_text(row.t, 4), row.status};
+        Fields cells = {row.label(), to_text(row.t, 4), row.status};
         std::string note;
         if (!row.started_from.empty()) {
             cells.insert(cells.end(), {row.newton_steps, to_text(row.max_distortion, 4), fixed(row.relative_quality, 6),

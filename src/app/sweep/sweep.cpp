@@ -46,7 +46,7 @@ constexpr std::size_t most_runs = 100000;
 struct Run {
     int number = 0;    // from 1
     std::string name;  // of its folder: mu0=10,refine=1
-    Cells values;      // by the names of what they are of
+    Fields values;      // by the names of what they are of
     Deck deck;
     std::string id;   // what sweep.row begins with: of program, deck and its files
     std::string row;  // of sweep.csv, "" where the run has not ended
@@ -84,7 +84,7 @@ bool has_ended(Run& run, const Output& out) {
 
 // Number, exit code, values, the quantities of summary.txt, and a note.
 std::string heading(const Deck& deck) {
-    Cells cells = {"number", "exit_code"};
+    Fields cells = {"number", "exit_code"};
     for (const Sweep& sweep : deck.sweeps) cells.emplace_back(sweep.name);
     for (const Named& quantity : summary_quantities()) cells.emplace_back(quantity.name);
     cells.emplace_back("note");
@@ -100,7 +100,7 @@ std::string row_of(const Run& run, ExitCode code, const std::string& note) {
     for (const std::string_view line : split(text, '\n'))
         if (const auto at = line.find(" = "); at != std::string_view::npos)
             summary.emplace(line.substr(0, at), line.substr(at + 3));
-    Cells cells = {{"exit_code", static_cast<int>(code)}, {"values", json(run.values)}};
+    Fields cells = {{"exit_code", static_cast<int>(code)}, {"values", json(run.values)}};
     for (const Named& quantity : summary_quantities()) cells.emplace_back(quantity, summary[quantity.name]);
     cells.emplace_back("note", note);
     const std::string line = json(cells).text + "\n";
