@@ -34,7 +34,8 @@ enum class Cell { line, triangle, quadrilateral, tetrahedron, hexahedron, prism,
 // Cells of one type, with the nodes of each in the order of Gmsh: vertices, then those of edges, faces, inside.
 struct Cells {
     Cell type;
-    std::vector<int> nodes;  // count x nodes of a cell of the degree
+    std::vector<int> nodes;   // count x nodes of a cell of the degree
+    std::string volume = {};  // of elements: the name of a group of them, empty: none
 };
 
 struct Faces {

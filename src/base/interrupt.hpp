@@ -1,20 +1,23 @@
-// What asks a run to end in good order, with its results written: signals (Ctrl-C, SIGTERM, a terminal that closes) and
-// the time that it was given. Long computations poll interrupted().
+// What asks a run to end in good order, with its results written: signals (Ctrl-C, SIGTERM, a terminal that closes),
+// the time that it was given, and who called the library. Long computations poll interrupted(), in the thread that has
+// called the run: time and callers are those of a thread.
 #pragma once
 #include <unistd.h>
 
 #include <chrono>
 #include <csignal>
+#include <functional>
 
 namespace almesh {
 
 inline volatile std::sig_atomic_t interrupt_flag = 0;
 
 using Clock = std::chrono::steady_clock;
-inline Clock::time_point deadline = Clock::time_point::max();
+inline thread_local Clock::time_point deadline = Clock::time_point::max();
+inline thread_local const std::function<bool()>* caller_stops = nullptr;  // null: the caller is not asked
 
 inline bool out_of_time() { return Clock::now() >= deadline; }
-inline bool interrupted() { return interrupt_flag != 0 || out_of_time(); }
+inline bool interrupted() { return interrupt_flag != 0 || out_of_time() || (caller_stops && (*caller_stops)()); }
 inline void clear_interrupt() { interrupt_flag = 0; }
 
 // While it lives, the time ends `seconds` after it was made; 0: never.

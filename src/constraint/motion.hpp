@@ -76,7 +76,7 @@ struct Motion {
 Motion parse_motion(std::string_view text, const Constants& constants = {});
 
 // Positions at the time t by a function, which turns the boundary by so many degrees since the time 0; and positions of
-// all nodes, nodes x dim, in place of a file.
+// all nodes of the base mesh, nodes x dim, in place of a file.
 Motion given_by(PositionAt position, double t, double degrees);
 Motion given_by(std::vector<double> places);
 

@@ -285,7 +285,7 @@ Deck improvement_deck(const std::vector<std::string>& arguments) {
     if (arguments.size() < 2) throw UsageError("improve takes a mesh file: almesh improve FILE [key=value ...]");
     std::vector<std::string> settings(arguments.begin() + 1, arguments.end());
     settings[0] = "mesh=" + quoted_where_needed(settings[0], "#\"");
-    return parse_deck("ideal = regular\nboundary all = slide\n", arguments[1], settings);
+    return parse_deck(improvement_lines, arguments[1], settings);
 }
 
 Sweep parse_sweep(std::string_view text) {

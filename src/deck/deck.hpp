@@ -84,6 +84,9 @@ Deck parse_deck(std::string_view text, const std::string& path, const std::vecto
 // `KEY = VALUES`. Throws UsageError without file and line.
 Sweep parse_sweep(std::string_view text);
 
+// What a deck of `improve` says besides the mesh.
+inline constexpr const char* improvement_lines = "ideal = regular\nboundary all = slide\n";
+
 // The deck of `improve FILE [key=value ...]`: regular elements, all boundaries slide.
 Deck improvement_deck(const std::vector<std::string>& arguments);
 

@@ -24,17 +24,6 @@
 namespace almesh {
 namespace {
 
-RawMesh read_mesh_file(const Deck& deck, std::string& text, std::string& hash) {
-    try {
-        text = read_file(deck.mesh);
-    } catch (const InputError& error) {
-        throw InputError(deck.given.at("mesh"), ": ", error.what());
-    }
-    RawMesh raw;
-    parallel_invoke([&] { raw = parse_mesh(text, deck.mesh); }, [&] { hash = hash_of(text); });
-    return raw;
-}
-
 // The faces that a selection takes become a boundary of its name alone.
 void select_faces(const Deck& deck, Mesh& mesh) {
     std::vector<int> part;
@@ -174,6 +163,18 @@ void note(Problem& problem, const std::string& text) {
 
 }  // namespace
 
+MeshSource read_source(const Deck& deck) {
+    MeshSource source;
+    try {
+        source.text = read_file(deck.mesh);
+    } catch (const InputError& error) {
+        throw InputError(deck.given.at("mesh"), ": ", error.what());
+    }
+    parallel_invoke([&] { source.raw = parse_mesh(source.text, deck.mesh); },
+                    [&] { source.hash = hash_of(source.text); });
+    return source;
+}
+
 void assign_boundaries(const Deck& deck, Mesh& mesh, std::vector<std::string>& notes) try {
     if (!deck.selections.empty()) select_faces(deck, mesh);
     assign_boundaries(static_cast<const ProblemSetup&>(deck), mesh, notes);
@@ -187,20 +188,22 @@ void move_target(const Deck& deck, Problem& problem) try {
     tell(deck);
 }
 
-Problem make_problem(const Deck& deck) try {
+Problem make_problem(const Deck& deck, const MeshSource* given) try {
     check_keys(deck);
-    std::string mesh_text, mesh_hash;
+    MeshSource own;
+    if (!given) own = read_source(deck);
     std::vector<std::string> notes;
-    BaseMesh base = build_base_mesh(read_mesh_file(deck, mesh_text, mesh_hash), deck.ideal, notes);
+    BaseMesh base = build_base_mesh(given ? given->raw : own.raw, deck.ideal, notes);
+    own.raw = {};
     if (base.is_own_ideal && deck.ideal == IdealKind::automatic)
         notes.push_back("the straight-sided form of the mesh folds over itself: the curved mesh of the file is the "
                         "ideal mesh (ideal = given)");
     assign_boundaries(deck, base.mesh, notes);
     Problem problem = begin_problem(deck, std::move(base), std::move(notes));
-    problem.mesh_hash = mesh_hash;
+    problem.mesh_hash = given ? given->hash : own.hash;
     note(problem, set_patched(deck, problem.level->mesh));
     note(problem, su2_losses(deck, problem.mesh()));
-    if (problem.mesh().file.can_be_patched()) problem.mesh_text = std::move(mesh_text);
+    if (problem.mesh().file.can_be_patched()) problem.mesh_text = given ? given->text : std::move(own.text);
     problem.way = way_of(deck, problem);
     if (deck.start == Start::file && deck.frames.empty()) problem.standing = read_standing(deck, problem);
     complete(deck, problem);

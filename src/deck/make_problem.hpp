@@ -5,15 +5,24 @@
 #include <vector>
 
 #include "deck/deck.hpp"
+#include "mesh/raw_mesh.hpp"
 #include "problem/problem.hpp"
 
 namespace almesh {
 
 struct ElementList;
 
+// A mesh before a deck is applied to it.
+struct MeshSource {
+    RawMesh raw;
+    std::string text, hash;  // of its file; text: empty where it is not of a file
+};
+
+MeshSource read_source(const Deck& deck);  // the file of the deck; throws InputError
+
 // Throws UsageError or InputError for everything that can be wrong before solving. The level has no energy and no
-// constraint yet.
-Problem make_problem(const Deck& deck);
+// constraint yet. given: the mesh, which then is not read; null: read_source().
+Problem make_problem(const Deck& deck, const MeshSource* given = nullptr);
 
 // As of problem/, with faces that the deck selects.
 void assign_boundaries(const Deck& deck, Mesh& mesh, std::vector<std::string>& notes);

@@ -282,7 +282,7 @@ NodeTargets read_node_targets(const Mesh& mesh, const std::vector<Motion>& motio
         }
         Mesh moved = mesh, left_out = mesh;
         std::fill(left_out.x.begin(), left_out.x.end(), 0.0);
-        if (step->places) moved.x = *step->places;
+        if (step->places) std::copy(step->places->begin(), step->places->end(), moved.x.begin());  // split adds others
         else if (other.contains(b)) read_places_of_mesh(mesh, b, other[b], moved.x);
         else read_places(mesh, b, motions[b], moved.x, left_out.x);
         targets.placed[b].x = raise_degree(moved, degree).x;

@@ -4,6 +4,7 @@
 #include <functional>
 #include <vector>
 
+#include "base/error.hpp"
 #include "check/boundary_distance.hpp"
 #include "check/certificate.hpp"
 #include "check/diagnosis.hpp"
@@ -67,6 +68,13 @@ struct Solution {
 
     int newton_steps() const { return al.newton_iterations + al.earlier_newton_iterations + coarse_newton_iterations; }
 };
+
+// Of a solution with its certificates.
+inline ExitCode exit_code(const Solution& solution, bool as_expected) {
+    if (solution.al.status != Status::converged) return ExitCode::not_converged;
+    if (!solution.injectivity.certified) return ExitCode::not_certified;
+    return as_expected ? ExitCode::success : ExitCode::expectation_failed;
+}
 
 // How a problem is solved.
 using Solve = std::function<Solution(const ProblemOptions& options, const Problem& problem)>;

@@ -285,8 +285,9 @@ void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, cons
               " GB, more than this machine's memory\n");
     const bool shows = solution.diagnosis.kind != DiagnosisKind::none && deck.vtk != VtkOutput::none;
     print(out, judgement(problem, solution), ": certified bound ",
-          rounded_down(solution.certificate.min_certified_bound, 4), "; ",
-          in_place ? "in " + fixed(solution.time.total, 2) + " s; " : "", "results in ", deck.output,
+          rounded_down(solution.certificate.min_certified_bound, 4),
+          in_place ? "; in " + fixed(solution.time.total, 2) + " s" : "",
+          deck.output.empty() ? "" : "; results in " + deck.output,
           shows ? ", the elements around it in stop.vtk" : "", "\n");
 }
 

@@ -120,10 +120,7 @@ std::string write_mesh(const Deck& deck, const Problem& problem, const Solution&
     std::string first;
     for (const FileFormat& format : final_formats(deck.final_format, mesh)) {
         const std::string path = concat(deck.output, "/", name, ending_of_final(format));
-        if (format == mesh.file.format && mesh.file.can_be_patched())
-            write_file(path, patched(problem.mesh_text, mesh.file.coordinates, positions));
-        else if (format.ending == ".su2") write_su2(path, mesh, positions);
-        else write_msh(path, mesh, positions);
+        write_mesh_as(format, path, mesh, problem.mesh_text, positions);
         if (first.empty()) first = path;
     }
     if (deck.vtk != VtkOutput::none)
@@ -169,6 +166,14 @@ void write_stop(const Deck& deck, const Problem& problem, const Solution& soluti
 }
 
 }  // namespace
+
+void write_mesh_as(const FileFormat& format, const std::string& path, const Mesh& mesh, const std::string& text,
+                   const std::vector<double>& positions) {
+    if (format == mesh.file.format && mesh.file.can_be_patched())
+        write_file(path, patched(text, mesh.file.coordinates, positions));
+    else if (format.ending == ".su2") write_su2(path, mesh, positions);
+    else write_msh(path, mesh, positions);
+}
 
 void write_deck(const Deck& deck, const Problem& problem) {
     std::string text = concat("# ", version(), ", commit ", commit(), "\n# compiled by ", compiler(), "\n# threads ",

@@ -12,6 +12,8 @@
 namespace almesh {
 
 struct Deck;
+struct FileFormat;
+struct Mesh;
 struct Problem;
 struct VtkArray;
 
@@ -26,6 +28,10 @@ void write_iterate(const Deck& deck, const Problem& problem, int number, const s
 void write_series(const std::string& path, const std::vector<std::pair<std::string, double>>& files);
 
 void append_to_series(const std::string& path, const std::string& name, double time);  // which has one already
+
+// text: of the mesh's file, which is written with other positions where the format is its own; else in MSH 2.2 or SU2.
+void write_mesh_as(const FileFormat& format, const std::string& path, const Mesh& mesh, const std::string& text,
+                   const std::vector<double>& positions);
 
 std::string frame_name(int number);  // frame-0001
 // name.msh, .su2 or both, as the key `final` says, and name.vtk, with point_data. Returns the path of the first one.

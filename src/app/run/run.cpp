@@ -60,10 +60,9 @@ std::string use(const RunHooks& hooks, const Problem& problem, Solution& solutio
 }
 
 ExitCode code_of(const Solution& solution, const std::string& failed, bool as_expected) {
-    if (solution.al.status != Status::converged) return ExitCode::not_converged;
-    if (!failed.empty()) throw Error(ExitCode::not_converged, failed);
-    if (!solution.injectivity.certified) return ExitCode::not_certified;
-    return as_expected ? ExitCode::success : ExitCode::expectation_failed;
+    const ExitCode code = exit_code(solution, as_expected);
+    if (code != ExitCode::not_converged && !failed.empty()) throw Error(ExitCode::not_converged, failed);
+    return code;
 }
 
 }  // namespace
