@@ -1,5 +1,11 @@
 # almesh: `make help` lists the targets that one needs first, `make help-all` the others too.
 CXX       ?= g++
+# PORTABLE=1: for every processor of that level, in a build of its own; the results have the same bits.
+BASELINE  ?= $(if $(filter x86_64,$(shell uname -m)),-march=x86-64-v2)
+ifdef PORTABLE
+CXXFLAGS  := -O3 $(BASELINE)
+BUILD     := build-portable
+endif
 CXXFLAGS  ?= -O3 -march=native
 BUILD     ?= build
 WARNINGS  := -Wall -Wextra -Wpedantic -Wshadow
@@ -13,12 +19,14 @@ GOMP      := $(if $(findstring clang,$(shell $(CXX) --version 2>/dev/null)),,$(i
                echo 'int main() { return omp_get_max_threads() < 1; }' | $(CXX) -fopenmp -include omp.h -x c++ - \
                -o /dev/null -l:libgomp.a 2>/dev/null && echo -l:libgomp.a -Wl,--as-needed)))
 NO_OPENMP := $(if $(OPENMP),,-Wno-unknown-pragmas)
-VERSION   := 0.1.0
-COMMIT    := $(shell git describe --always --dirty --exclude '*' 2>/dev/null || echo unknown)
+VERSION   := 0.2.0
+# Of a tarball (make dist) the file COMMIT has it.
+COMMIT    := $(shell cat COMMIT 2>/dev/null || git describe --always --dirty --exclude '*' 2>/dev/null || echo unknown)
 
 # Without errno a square root is one instruction, for all lanes of a register at once. A product and a sum are rounded
 # apart, for the same bits with every compiler and processor; that costs some 5 % of the time.
-FLAGS     := -std=c++20 -fno-math-errno -ffp-contract=off $(CXXFLAGS) $(OPENMP) $(WARNINGS) $(WERROR) $(NO_OPENMP) -Isrc -Itests
+# The same objects are in the program and in the shared library, which shows the functions of almesh.h alone.
+FLAGS     := -std=c++20 -fno-math-errno -ffp-contract=off -fPIC -fvisibility=hidden $(CXXFLAGS) $(OPENMP) $(WARNINGS) $(WERROR) $(NO_OPENMP) -Isrc -Itests
 SOURCES   := $(shell find src -name '*.cpp' -not -path 'src/lessons/*' -not -path 'src/examples/*' | sort)
 OBJECTS   := $(SOURCES:%.cpp=$(BUILD)/%.o)
 # Programs wait for what computes, and all else takes little time in a run: it needs little optimisation. Of an inline
@@ -37,7 +45,7 @@ JOINED    ?= yes
 TOGETHER  := $(if $(filter yes,$(JOINED)),$(shell find tests -mindepth 2 -name '*_test.cpp' | sort))
 ROOMS     := $(sort $(foreach test,$(TOGETHER),$(word 2,$(subst /, ,$(test)))))
 UNITS     := $(ROOMS:%=$(BUILD)/tests/rooms/%.cpp)
-TEST_OBJECTS := $(patsubst %.cpp,$(BUILD)/%.o,$(filter-out $(TOGETHER),$(TESTS))) $(UNITS:.cpp=.o)
+TEST_OBJECTS := $(patsubst %.cpp,$(BUILD)/%.o,$(filter-out $(TOGETHER),$(TESTS))) $(UNITS:.cpp=.o) $(BUILD)/tests/library/c_client.o
 # The comparison is a program of its own, the only one that needs CHOLMOD.
 COMPARISON := $(BUILD)/tests/bench/compare_cholmod.o
 BENCH     := $(shell find tests/bench -name '*.cpp' -not -name compare_cholmod.cpp | sort)
@@ -76,7 +84,7 @@ said       = $(if $(V),,@printf '%-5s %s\n' '$(1)' '$(2)')
         doctest python numpy asan fuzz bench compare compare-cholmod compare-gmsh compare-improve \
         cad-models cad-examples cholmod paper gauntlet generated untangle improve slurm certificates defaults \
         derivatives drift coupling calculix judges run-fast-tests run-fast-app-tests run-fast-other-tests matrix \
-        reproduce mutants check-targets figures meshes lessons readmes check-lessons student with-solutions wrong-answers animation \
+        reproduce lib install uninstall dist test-install mutants check-targets figures meshes lessons readmes check-lessons student with-solutions wrong-answers animation \
         quality clean examples help-all FORCE
 
 all: almesh ## build the program ./almesh
@@ -98,6 +106,10 @@ $(BUILD)/%.o: %.cpp $(BUILD)/flags
 	$(compile)
 $(BUILD)/tests/rooms/%.o: $(BUILD)/tests/rooms/%.cpp $(BUILD)/flags
 	$(compile)
+$(BUILD)/%.o: %.c src/almesh.h
+	@mkdir -p $(@D)
+	$(call said,CC,$<)
+	$(Q)$(CC) -std=c99 -Wall -Wextra -pedantic -Werror -O1 -Isrc -Itests -c $< -o $@
 $(UNITS): $(BUILD)/tests/rooms/%.cpp: FORCE
 	@mkdir -p $(@D)
 	@{ grep -h '^#include' $(filter tests/$*/%,$(TOGETHER)) | sort -u; for test in $(filter tests/$*/%,$(TOGETHER)); do \
@@ -246,6 +258,57 @@ $(BUILD)/libalmesh.a: $(LIBRARY)
 	@rm -f $@
 	$(call said,AR,$@)
 	$(Q)$(AR) rcs $@ $^
+
+SONAME    := libalmesh.so.0
+SHARED    := $(BUILD)/libalmesh.so.$(VERSION)
+lib: $(SHARED) $(BUILD)/libalmesh.a ## build the libraries for C, $(BUILD)/libalmesh.so.*, and C++, libalmesh.a (PORTABLE=1)
+
+$(SHARED): $(LIBRARY)
+	$(call said,LINK,$@)
+	@echo '{ global: almesh_*; local: *; };' > $(BUILD)/almesh.map
+	$(Q)$(CXX) $(FLAGS) -shared -Wl,-soname,$(SONAME) -Wl,--version-script=$(BUILD)/almesh.map -Wl,-z,defs $^ -o $@
+
+PREFIX    ?= /usr/local
+DESTDIR   ?=
+TO        := $(DESTDIR)$(PREFIX)
+CLIENTS   := src/examples/shapes.c src/examples/first.cpp src/examples/circle.cpp src/examples/ring.hpp
+INSTALLED := bin/almesh include/almesh.h include/almesh.hpp lib/libalmesh.a lib/$(notdir $(SHARED)) lib/$(SONAME) \
+             lib/libalmesh.so lib/pkgconfig/almesh.pc lib/pkgconfig/almesh-c++.pc share/man/man1/almesh.1 \
+             share/bash-completion/completions/almesh $(addprefix share/almesh/examples/,$(notdir $(CLIENTS)) circle.deck circle.msh)
+
+# $(1): a name, what it is and how it is linked.
+pc         = printf 'Name: %s\nDescription: %s\nVersion: $(VERSION)\nCflags: -I$(PREFIX)/include\nLibs: %s\n' $(1)
+install: $(BUILD)/almesh lib ## install program, libraries, headers, manual, completion and examples (PREFIX=, DESTDIR=, PORTABLE=1)
+	mkdir -p $(addprefix $(TO)/,$(sort $(dir $(INSTALLED))))
+	cp $(BUILD)/almesh $(TO)/bin/almesh
+	cp src/almesh.h src/almesh.hpp $(TO)/include/
+	cp $(BUILD)/libalmesh.a $(SHARED) $(TO)/lib/
+	ln -sf $(notdir $(SHARED)) $(TO)/lib/$(SONAME)
+	ln -sf $(SONAME) $(TO)/lib/libalmesh.so
+	$(call pc,almesh 'meshes that follow their boundary: C' '-L$(PREFIX)/lib -lalmesh') > $(TO)/lib/pkgconfig/almesh.pc
+	$(call pc,almesh-c++ 'meshes that follow their boundary: C++' '$(PREFIX)/lib/libalmesh.a $(OPENMP)') \
+	  > $(TO)/lib/pkgconfig/almesh-c++.pc
+	packaging/man.sh $(BUILD)/almesh > $(TO)/share/man/man1/almesh.1
+	cp packaging/almesh.bash $(TO)/share/bash-completion/completions/almesh
+	cp $(CLIENTS) inputs/circle.deck inputs/meshes/circle.msh $(TO)/share/almesh/examples/
+	sed -i 's,meshes/,,' $(TO)/share/almesh/examples/circle.deck
+
+uninstall: ## remove just what make install has put there (PREFIX=, DESTDIR=)
+	rm -f $(addprefix $(TO)/,$(INSTALLED))
+	-rmdir $(TO)/share/almesh/examples $(TO)/share/almesh
+
+# Of what is committed; it builds, and its tests run, without git and without a network.
+dist: ##check make almesh-VERSION.tar.gz of what is committed
+	rm -rf $(BUILD)/almesh-$(VERSION)
+	mkdir -p $(BUILD)
+	git archive --prefix=almesh-$(VERSION)/ HEAD | tar -x -C $(BUILD)
+	git rev-parse --short HEAD > $(BUILD)/almesh-$(VERSION)/COMMIT
+	tar -c --sort=name --owner=0 --group=0 --mtime=@$$(git log -1 --format=%ct) -C $(BUILD) almesh-$(VERSION) | gzip -n \
+	  > almesh-$(VERSION).tar.gz
+	rm -rf $(BUILD)/almesh-$(VERSION)
+
+test-install: python ##check install, use, uninstall: clients for C and C++ build against what is installed alone (QEMU=1: on the baseline)
+	tests/install.py $(if $(QEMU),--qemu)
 
 .SECONDARY: $(LESSON_OBJECTS)
 
@@ -411,7 +474,7 @@ check-targets: almesh python ##check run each target of make help-all once, at i
 	+tests/targets.py --python '$(PYTHON)' --logs $(BUILD)/targets $(if $(QUICK),--quick) $(if $(ALL),--all) $(TARGETS)
 
 clean: ## remove what was built
-	rm -rf build build-* almesh
+	rm -rf build build-* almesh almesh-*.tar.gz
 
 # A target's line has `##` and what it does; `##check`, `##compare` or `##course` where only help-all lists it.
 listed     = grep -hE '^[a-z%-]+:.*\#\#$(1) ' $(MAKEFILE_LIST) | sed -E 's/%/NN/; s/:.*\#\#$(1) /\t/' | expand -t 17

@@ -154,7 +154,7 @@ ALMESH_API int almesh_set(almesh_mesh *mesh, const char *key, const char *value)
 /* The value of a key, of a deck's or of the default too, as almesh_set() takes it. */
 ALMESH_API const char *almesh_get(almesh_mesh *mesh, const char *key);
 
-/* What holds the nodes of a boundary: "fixed", "translate 1 0; rotate 10*t about 0 0", "slide", ... name "rest": of all
+/* What holds the nodes of a boundary: "fixed", "translate 1 0; rotate \"10*t\" about 0 0", "slide", ... name "rest": of all
  * boundaries without one, "all": also of those inside. motion NULL: takes it back, or the positions. */
 ALMESH_API int almesh_set_boundary(almesh_mesh *mesh, const char *name, const char *motion);
 

@@ -23,6 +23,8 @@ namespace {
 using Numbers = std::vector<double>;
 using Time = std::chrono::steady_clock;
 
+constexpr std::string_view by_setting = "command line";  // where the parser has settings
+
 struct Refused : std::runtime_error {
     int code;  // that the program does not have
     Refused(int of, const char* why) : std::runtime_error(why), code(of) {}
@@ -74,8 +76,9 @@ int guarded(const Body& body) try {
     body();
     return last_code = ALMESH_OK;
 } catch (const Error& error) {
-    const std::string_view text = error.what(), place = "command line: ";  // where the parser has settings
-    return failed(static_cast<int>(error.exit_code), text.starts_with(place) ? text.substr(place.size()) : text);
+    const std::string_view text = error.what();
+    const bool is_setting = text.starts_with(concat(by_setting, ": "));
+    return failed(static_cast<int>(error.exit_code), text.substr(is_setting ? by_setting.size() + 2 : 0));
 } catch (const Refused& error) {
     return failed(error.code, error.what());
 } catch (const std::bad_alloc&) {
@@ -122,7 +125,8 @@ void put(Value* place, const Value& value) {
 
 template <class Rows>
 const auto& row_of(const Rows& rows, int index) {
-    return index >= 0 && index < std::ssize(rows) ? rows[index] : throw UsageError("index ", index, ", of ", rows.size());
+    if (index < 0 || index >= std::ssize(rows)) throw UsageError("index ", index, ", of ", rows.size());
+    return rows[index];
 }
 
 int named(const std::vector<Named>& rows, int index, const char** name, const char** meaning) {
@@ -179,9 +183,13 @@ int change(almesh_mesh* mesh, const Change& body) {
     });
 }
 
+// A line that is there keeps its place, which decides at nodes of several boundaries.
 void set(SessionSettings& settings, const std::string& key, const char* value) {
-    std::erase_if(settings.lines, [&](const auto& line) { return line.first == key; });
-    if (value) settings.lines.emplace_back(key, value);
+    const auto is_old = [&](const auto& line) { return line.first == key; };
+    const auto old = std::find_if(settings.lines.begin(), settings.lines.end(), is_old);
+    if (!value) std::erase_if(settings.lines, is_old);
+    else if (old != settings.lines.end()) old->second = value;
+    else settings.lines.emplace_back(key, value);
 }
 
 // kind: "boundary " or "volume ".
@@ -298,6 +306,7 @@ int almesh_read(const char* path, almesh_mesh** mesh) {
     return make(mesh, [&] {
         Deck deck;
         deck.mesh = needed(path, "the path");
+        deck.given["mesh"] = by_setting;
         return Session(read_source(deck), deck.mesh);
     });
 }

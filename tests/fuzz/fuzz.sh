@@ -6,7 +6,7 @@ set -u
 program=$1
 minutes=$2
 shift 2
-[ $# -gt 0 ] || set -- deck msh su2 vtk inp vtu frames rows quality improve run
+[ $# -gt 0 ] || set -- deck msh su2 vtk inp vtu frames rows quality improve run library
 memory=${TMPDIR:-/tmp}
 if [ -w /dev/shm ]; then memory=/dev/shm; fi
 found=0
@@ -14,7 +14,7 @@ for harness in "$@"; do
     corpus=outputs/fuzz/$harness
     mkdir -p "$corpus"
     # Whole runs and meshes are made from a few choices; files are longer.
-    case $harness in run | quality | improve) longest=200 ;; *) longest=4000 ;; esac
+    case $harness in run | quality | improve | library) longest=200 ;; *) longest=4000 ;; esac
     work=$(mktemp -d "$memory/almesh-fuzz.XXXXXX")
     log=outputs/fuzz/$harness.log
     echo "$harness: $minutes min"

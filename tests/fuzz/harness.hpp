@@ -33,6 +33,9 @@ void fuzz_improve(std::string_view bytes);
 // leaves its state behind goes on from it, damaged or not.
 void fuzz_run(std::string_view bytes);
 
+// Calls of the interface for C in any order: each ends with a code and a sentence, and a mesh that is called certified is.
+void fuzz_library(std::string_view bytes);
+
 struct Harness {
     std::string_view name;
     void (*run)(std::string_view bytes);
@@ -48,7 +51,8 @@ inline constexpr Harness harnesses[] = {{"deck", fuzz_deck},
                                         {"rows", fuzz_rows},
                                         {"quality", fuzz_quality},
                                         {"improve", fuzz_improve},
-                                        {"run", fuzz_run}};
+                                        {"run", fuzz_run},
+                                        {"library", fuzz_library}};
 
 struct Violation : std::logic_error {
     using std::logic_error::logic_error;
