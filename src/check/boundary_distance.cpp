@@ -170,7 +170,7 @@ std::vector<double> relative_face_distances(const Mesh& mesh, const std::vector<
 
 std::string distance_table(const Mesh& mesh, const std::vector<BoundaryDistance>& distances, const std::string& from) {
     if (distances.empty()) return "";
-    std::vector<Cells> rows;
+    std::vector<Fields> rows;
     for (const BoundaryDistance& of : distances)
         rows.push_back({mesh.boundaries[of.boundary], of.faces, of.moved, fixed(100 * of.moved_area, 1) + " %",
                         to_text(of.largest, 3), to_text(of.rms, 3), to_text(of.relative_largest, 3),

@@ -63,11 +63,11 @@ std::mutex of_objects;
 std::map<const almesh_mesh*, std::shared_ptr<Object>> objects;
 std::uintptr_t handles = 0;
 
-thread_local std::string sentence;
+thread_local std::string last_sentence;
 thread_local int last_code = ALMESH_OK;
 
 int failed(int code, std::string_view why) {
-    sentence = why;
+    last_sentence = why;
     return last_code = code;
 }
 
@@ -163,7 +163,7 @@ int run(almesh_mesh* mesh, const Run& one) {
         code = static_cast<int>(one(object.session));
         object.numbers.clear();
         if (object.is_cancelled && object.session.solution.al.status == Status::interrupted) code = ALMESH_CANCELLED;
-        if (code) sentence = object.session.ending;
+        if (code) last_sentence = object.session.ending;
     });
     return refused ? refused : last_code = code;
 }
@@ -209,7 +209,7 @@ const std::string& value_of(const Object& object, const char* name) {
     if (!find_row(known, needed(name, "the name")))
         throw UsageError("there is no quantity ", in_backquotes(name), did_you_mean(name, names_of(known)));
     check_has_run(object.session);
-    return find_row(object.session.summary, name)->value;
+    return find_row(object.session.summary, name)->text;
 }
 
 // In the mesh's order.
@@ -278,7 +278,7 @@ const char* almesh_version() {
     static const std::string text = version().substr(version().find(' ') + 1);
     return text.c_str();
 }
-const char* almesh_error() { return sentence.c_str(); }
+const char* almesh_error() { return last_sentence.c_str(); }
 int almesh_error_code() { return last_code; }
 
 int almesh_key(int index, const char** name, const char** legal, const char** value, const char** meaning) {
