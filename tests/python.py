@@ -221,17 +221,16 @@ class Threads(unittest.TestCase):
         self.assertEqual(flat(meshes[0].x), flat(meshes[1].x))
 
     def test_one_mesh_is_one_threads(self):
-        mesh, refused = circle(), []
-        mesh.set("refine", 2)
-        thread = threading.Thread(target=mesh.move)
+        mesh, begins, ends = circle(), threading.Event(), threading.Event()
+        thread = threading.Thread(target=mesh.move, args=[lambda p: begins.set() or not ends.wait(60)])
         thread.start()
-        while thread.is_alive():
-            try:
-                mesh.certify()
-            except almesh.UsageError as error:
-                refused.append(str(error))
-            time.sleep(0.002)
-        self.assertTrue(any("another call" in text for text in refused))
+        self.assertTrue(begins.wait(60))
+        with self.assertRaises(almesh.UsageError) as caught:
+            mesh.certify()
+        ends.set()
+        thread.join()
+        self.assertIn("another call", str(caught.exception))
+        self.assertTrue(mesh.result.certified)
 
 
 class Help(unittest.TestCase):
