@@ -66,8 +66,7 @@ std::string quality_table(const Output& out, const QualityChange& change, int de
         const double mean = deterministic_sum(elements, [&](int e) { return values[e]; }) / elements;
         const double least = *std::min_element(values.begin(), values.end());
         out.add({{measure.column + "_least", least}, {measure.column + "_mean", mean}});
-        Fields row = {measure.title, rounded_down(least, 4), fixed(mean, 4),
-                     count([](double value) { return value <= 0; })};
+        Fields row = {measure.title, rounded_down(least, 4), fixed(mean, 4), count([](double v) { return v <= 0; })};
         for (const double bound : bounds) row.push_back(count([bound](double value) { return value < bound; }));
         rows.push_back(row);
     }

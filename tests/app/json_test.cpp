@@ -262,10 +262,11 @@ TEST_CASE("the schema has every quantity and column with the meaning that --keys
     const std::string schema = text_of("outputs/schema.json");
     std::vector<Named> rows = summary_quantities();
     for (const Named& column : history_columns()) rows.push_back(column);
-    for (const auto& [name, meaning, unit] : rows)
-        CHECK_MESSAGE(has(schema, concat("        \"", name, "\": {\"description\": \"", meaning, "\", ",
-                                         *unit ? concat("\"unit\": \"", unit, "\", ") : "\"type\": \"string\"}")),
-                      name);
+    for (const Named& row : rows) {
+        const std::string start = concat("        \"", row.name, "\": {\"description\": \"", row.meaning, "\", ");
+        const std::string end = *row.unit ? concat("\"unit\": \"", row.unit, "\", ") : "\"type\": \"string\"}";
+        CHECK_MESSAGE(has(schema, start + end), row.name);
+    }
 }
 
 TEST_CASE("the script that judges lines refuses what is no JSON, not in the schema, or not what the files have") {
