@@ -99,7 +99,7 @@ TEST_CASE("--json: what is wrong is the last object, and a sentence on stderr as
     }
     const Outcome coupled = json_of({ring.deck, "frames=-"});
     CHECK(coupled.code == 1);
-    CHECK(has(coupled.out, "\"error\": \"frames = -: its answers are lines of their own: without --json\"}"));
+    CHECK(has(coupled.out, "\"error\": \"frames = -: its answers are lines of their own: without --json\""));
     CHECK(has(json_of({ring.deck, "degre=2"}).out, "\"error\": \"command line: unknown key `degre`"));
     CHECK(has(json_of({}).out, "\"arguments\": []"));
     for (const char* about : {"--help", "--keys", "--version"}) {
