@@ -45,7 +45,8 @@ JOINED    ?= yes
 TOGETHER  := $(if $(filter yes,$(JOINED)),$(shell find tests -mindepth 2 -name '*_test.cpp' | sort))
 ROOMS     := $(sort $(foreach test,$(TOGETHER),$(word 2,$(subst /, ,$(test)))))
 UNITS     := $(ROOMS:%=$(BUILD)/tests/rooms/%.cpp)
-TEST_OBJECTS := $(patsubst %.cpp,$(BUILD)/%.o,$(filter-out $(TOGETHER),$(TESTS))) $(UNITS:.cpp=.o) $(BUILD)/tests/library/c_client.o
+TEST_OBJECTS := $(patsubst %.cpp,$(BUILD)/%.o,$(filter-out $(TOGETHER),$(TESTS))) $(UNITS:.cpp=.o) \
+               $(BUILD)/tests/library/c_client.o
 # The comparison is a program of its own, the only one that needs CHOLMOD.
 COMPARISON := $(BUILD)/tests/bench/compare_cholmod.o
 BENCH     := $(shell find tests/bench -name '*.cpp' -not -name compare_cholmod.cpp | sort)
@@ -53,7 +54,7 @@ BENCH_OBJECTS := $(BENCH:%.cpp=$(BUILD)/%.o)
 # The course: a program for each lesson that is code, and its exercises, checked with the answers of the templates
 # (src/lessons/exercises/, where students write) or with the solutions.
 LESSON_PROGRAMS := $(patsubst src/%.cpp,$(BUILD)/%,$(wildcard src/lessons/*.cpp))
-EXAMPLES  := $(patsubst src/%.cpp,$(BUILD)/%,$(wildcard src/examples/*.cpp))
+EXAMPLES  := $(patsubst src/%.cpp,$(BUILD)/%,$(wildcard src/examples/*.cpp)) $(BUILD)/examples/shapes
 CHECKED   := $(sort $(patsubst tests/lessons/%_check.cpp,%,$(wildcard tests/lessons/*_check.cpp)))
 SOLVED    := $(patsubst src/lessons/solutions/%.cpp,$(BUILD)/lessons/solved-%,$(wildcard src/lessons/solutions/*.cpp))
 CHECKS    := $(CHECKED:%=$(BUILD)/tests/lessons/%_check.o) $(BUILD)/tests/lessons/exercise.o $(BUILD)/libalmesh.a \
@@ -124,15 +125,15 @@ OF_TESTS  := $(LITTLE:-O1=-O0) -DDOCTEST_CONFIG_SUPER_FAST_ASSERTS
 # not main.cpp of the tests, which includes more of doctest, nor the harnesses, which `make fuzz` links without doctest
 PREFIXED  := $(filter-out $(BUILD)/tests/main.o $(FUZZ_OBJECTS),$(TEST_OBJECTS))
 SAMPLING  := $(filter $(BUILD)/tests/rooms/check.o $(BUILD)/tests/check/%,$(TEST_OBJECTS))
-PREFIX    := $(if $(findstring ccache,$(CXX)),,$(BUILD)/prefix)
-$(WAITING) $(LESSON_OBJECTS): OWN_FLAGS = $(LITTLE) $(PREFIX:%=-include %/waiting.hpp)
-$(COMPUTING) $(BENCH_OBJECTS): OWN_FLAGS = $(PREFIX:%=-include %/computing.hpp)
+READ_ONCE := $(if $(findstring ccache,$(CXX)),,$(BUILD)/prefix)
+$(WAITING) $(LESSON_OBJECTS): OWN_FLAGS = $(LITTLE) $(READ_ONCE:%=-include %/waiting.hpp)
+$(COMPUTING) $(BENCH_OBJECTS): OWN_FLAGS = $(READ_ONCE:%=-include %/computing.hpp)
 $(TEST_OBJECTS): OWN_FLAGS = $(OF_TESTS)
-$(PREFIXED): OWN_FLAGS = $(OF_TESTS) -iquote . $(PREFIX:%=-include %/tests.hpp)
-$(SAMPLING): OWN_FLAGS = $(OF_TESTS) $(LITTLE) -iquote . $(PREFIX:%=-include %/waiting.hpp)
-$(WAITING) $(LESSON_OBJECTS) $(SAMPLING): $(PREFIX:%=%/waiting.hpp.gch)
-$(COMPUTING) $(BENCH_OBJECTS): $(PREFIX:%=%/computing.hpp.gch)
-$(PREFIXED): $(PREFIX:%=%/tests.hpp.gch)
+$(PREFIXED): OWN_FLAGS = $(OF_TESTS) -iquote . $(READ_ONCE:%=-include %/tests.hpp)
+$(SAMPLING): OWN_FLAGS = $(OF_TESTS) $(LITTLE) -iquote . $(READ_ONCE:%=-include %/waiting.hpp)
+$(WAITING) $(LESSON_OBJECTS) $(SAMPLING): $(READ_ONCE:%=%/waiting.hpp.gch)
+$(COMPUTING) $(BENCH_OBJECTS): $(READ_ONCE:%=%/computing.hpp.gch)
+$(PREFIXED): $(READ_ONCE:%=%/tests.hpp.gch)
 $(BUILD)/prefix/waiting.hpp.gch: OF_PREFIX = $(LITTLE)
 $(BUILD)/prefix/tests.hpp.gch: OF_PREFIX = $(OF_TESTS) -include doctest/doctest.h
 $(BUILD)/prefix/%.hpp.gch: tests/support/prefix.hpp $(BUILD)/flags

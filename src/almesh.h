@@ -13,9 +13,9 @@
  * are: `almesh --keys` lists them, and so do almesh_key() and almesh_quantity().
  *
  * Arrays. Coordinate a of node i is at [dim * i + a]. Nodes, elements and faces are counted from 0, nodes of a cell are
- * in the order of Gmsh (vertices, then those of edges, faces, inside). Nodes and elements are in the order of the file
- * or of the arrays, and new ones (of the keys degree, refine and split) come after them. The unit of length is the
- * caller's. Texts are UTF-8; paths start in the current folder.
+ * in the order of Gmsh (vertices, then those of edges, faces, inside). Nodes and elements are in ascending order of
+ * their ids in the file, or in the order of the arrays; nodes that the file does not have (keys degree, refine, split)
+ * come after those. The unit of length is the caller's. Texts are UTF-8; paths start in the current folder.
  *
  * Errors. Functions that can fail return one of almesh_code; almesh_error() then has the sentence that says what, where
  * and what to do. Functions that return a pointer return NULL instead, and almesh_error_code() has the code. Wrong use
@@ -188,7 +188,8 @@ ALMESH_API int almesh_move(almesh_mesh *mesh);
 
 /* The same at the time t of a motion in time, as a frame of the program: motions are formulas of t, or positions that
  * are set anew before each frame. It starts from up to three frames before with a lesser t, in the few Newton steps
- * that a near mesh needs; every mesh depends on its t alone, but for tolerances. */
+ * that a near mesh needs; every mesh depends on its t alone, but for tolerances. Other than the program it never puts
+ * frames between two times. The first frame, and one after other settings than numbers in motions, costs a set-up. */
 ALMESH_API int almesh_frame(almesh_mesh *mesh, double t);
 
 /* Makes the mesh, as it was read, valid and its worst elements better: `almesh improve`. Boundaries slide along

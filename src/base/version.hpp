@@ -4,7 +4,7 @@
 
 namespace almesh {
 
-std::string version();   // "almesh 0.1.0"
+std::string version();   // "almesh 0.2.0"
 std::string commit();    // abbreviated git commit, -dirty where the tree had changes, "unknown" outside git
 std::string compiler();  // name, version and flags
 

@@ -14,8 +14,8 @@ const CellType& type_of(Cell cell);
 
 void check_form(const MeshArrays& arrays);  // dimension and degree; throws UsageError
 
-// Nodes and elements have their numbers in the arrays, plus one, as ids. Throws UsageError or InputError for arrays that
-// do not fit together.
+// Nodes and elements have their numbers in the arrays, plus one, as ids. Throws UsageError or InputError for arrays
+// that do not fit together.
 MeshSource source_of(const MeshArrays& arrays);
 
 }  // namespace almesh

@@ -1,5 +1,5 @@
-// A mesh as its caller has it (almesh.h): nodes and elements in ascending order of their ids in the file or in the arrays,
-// nodes of no element included, and then the nodes that the file does not have.
+// A mesh as its caller has it (almesh.h): nodes and elements in ascending order of their ids in the file or in the
+// arrays, nodes of no element included, and then the nodes that the file does not have.
 #pragma once
 #include <string>
 #include <vector>

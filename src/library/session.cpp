@@ -233,8 +233,8 @@ std::vector<double> Session::differentiate(bool adjoint, const double* values) {
     if (solution.al.status != Status::converged)
         throw Error(ExitCode::not_converged, "no derivative: the mesh has not converged");
     if (problem->curves_in_place || is_improved(run.ideal))
-        throw Error(ExitCode::not_converged, "no derivative: the mesh was made valid by parts, and is no minimum of one "
-                                             "functional");
+        throw Error(ExitCode::not_converged,
+                    "no derivative: the mesh was made valid by parts, and is no minimum of one functional");
     if (run.method.moving != MovingMethod::augmented_lagrangian)
         throw UsageError("only meshes of method = augmented_lagrangian have derivatives");
     const Running running(*this, run);

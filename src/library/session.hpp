@@ -1,8 +1,8 @@
 // A mesh in memory with the settings of a deck, run after run: what the libraries for C++ (almesh.hpp) and C (almesh.h)
 // are made of.
 //
-// Settings are those of the program's command line, read by the same parser: each is a text. A run is the program's, from
-// make_problem() to examine(), so that the same input gives the same bits; it prints nothing and writes no files.
+// Settings are those of the program's command line, read by the same parser: each is a text. A run is the program's,
+// from make_problem() to examine(), so that the same input gives the same bits; it prints nothing and writes no files.
 #pragma once
 #include <functional>
 #include <map>

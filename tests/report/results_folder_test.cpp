@@ -124,5 +124,5 @@ TEST_CASE("all files of a run but the patched mesh carry its id, that of the sam
     CHECK(id_of() != id);
     REQUIRE(ring.run({"degree=2"}).code == 0);
     CHECK(almesh_with({"info", ring.output + "/final.msh"}).code == 0);
-    CHECK(has(text_of(ring.output + "/final.msh"), "$Comments\nalmesh " + version() + ", run " + id_of() + "\n$EndComments\n"));
+    CHECK(has(text_of(ring.output + "/final.msh"), "$Comments\n" + version() + ", run " + id_of() + "\n$EndComments\n"));
 }
