@@ -8,6 +8,7 @@
 #include <csignal>
 #include <memory>
 
+#include "base/version.hpp"
 #include "deck/deck.hpp"
 #include "support/ring_deck.hpp"
 
