@@ -124,9 +124,9 @@ Deck Session::deck(double t, const std::string& more) const {
     Deck deck = parse_deck(concat(settings.text, "\n", more), settings.path, lines);
     if (!deck.given.contains("output")) deck.output.clear();
     for (const auto& [boundary, motion_at] : settings.motions) {
-        BoundaryMotion* line = find_row(deck.boundaries, boundary);
-        if (!line) line = &deck.boundaries.emplace_back(boundary, Motion(), "boundary " + with_quotes(boundary));
-        line->motion = motion_at(t);
+        BoundaryMotion* const line = find_row(deck.boundaries, boundary);
+        if (line) line->motion = motion_at(t);
+        else deck.boundaries.push_back({boundary, motion_at(t), "boundary " + with_quotes(boundary)});
     }
     return deck;
 }
