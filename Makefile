@@ -85,7 +85,7 @@ said       = $(if $(V),,@printf '%-5s %s\n' '$(1)' '$(2)')
         doctest python numpy asan fuzz bench compare compare-cholmod compare-gmsh compare-improve \
         cad-models cad-examples cholmod paper gauntlet generated untangle improve slurm certificates defaults \
         derivatives drift coupling calculix judges run-fast-tests run-fast-app-tests run-fast-other-tests matrix \
-        reproduce lib install uninstall dist test-install mutants check-targets figures meshes lessons readmes check-lessons student with-solutions wrong-answers animation \
+        reproduce lib wheel install uninstall dist test-install run-python doors mutants check-targets figures meshes lessons readmes check-lessons student with-solutions wrong-answers animation \
         quality clean examples help-all FORCE
 
 all: almesh ## build the program ./almesh
@@ -158,7 +158,8 @@ run: almesh ## move the circle of section 4.1 and print its table
 
 test: doctest python numpy ## build with warnings as errors and run the tests (LONG=1: the long ones too; installs doctest)
 	tests/mutants/mutants.py --check
-	$(MAKE) $(if $(LONG),long-tests) run-fast-tests run-oracle run-patch lessons $(BUILD)/almesh-bench
+	$(MAKE) $(if $(LONG),long-tests) run-fast-tests run-python run-oracle run-patch lessons \
+	  $(BUILD)/almesh-bench
 	@! find $(BUILD) -name '*.o.log' -size +0 | grep . || { echo 'the compiler warned: see these files'; exit 1; }
 	@tests/house.py
 
@@ -269,11 +270,22 @@ $(SHARED): $(LIBRARY)
 	@echo '{ global: almesh_*; local: *; };' > $(BUILD)/almesh.map
 	$(Q)$(CXX) $(FLAGS) -shared -Wl,-soname,$(SONAME) -Wl,--version-script=$(BUILD)/almesh.map -Wl,-z,defs $^ -o $@
 
+wheel: python ## make almesh-VERSION-py3-none-PLATFORM.whl, for Python, of the portable library
+	$(MAKE) PORTABLE=1 build-portable/libalmesh.so.$(VERSION)
+	packaging/wheel.py build-portable/libalmesh.so.$(VERSION) $(VERSION) .
+
+# The module with numpy and without it.
+run-python: $(SHARED)
+	$(PYTHON) tests/python.py --library $(SHARED)
+	ALMESH_NO_NUMPY=1 $(PYTHON) tests/python.py --library $(SHARED)
+doors: $(SHARED) $(BUILD)/almesh python ##check meshes of decks by the module, and so by the C interface, have the bits of the program's
+	$(PYTHON) tests/python.py --library $(SHARED) --program $(BUILD)/almesh --bits $(DECKS)
+
 PREFIX    ?= /usr/local
 DESTDIR   ?=
 TO        := $(DESTDIR)$(PREFIX)
 CLIENTS   := src/examples/shapes.c src/examples/first.cpp src/examples/circle.cpp src/examples/ring.hpp
-INSTALLED := bin/almesh include/almesh.h include/almesh.hpp lib/libalmesh.a lib/$(notdir $(SHARED)) lib/$(SONAME) \
+INSTALLED := bin/almesh include/almesh.h include/almesh.hpp share/almesh/python/almesh.py lib/libalmesh.a lib/$(notdir $(SHARED)) lib/$(SONAME) \
              lib/libalmesh.so lib/pkgconfig/almesh.pc lib/pkgconfig/almesh-c++.pc share/man/man1/almesh.1 \
              share/bash-completion/completions/almesh $(addprefix share/almesh/examples/,$(notdir $(CLIENTS)) circle.deck circle.msh)
 
@@ -283,6 +295,7 @@ install: $(BUILD)/almesh lib ## install program, libraries, headers, manual, com
 	mkdir -p $(addprefix $(TO)/,$(sort $(dir $(INSTALLED))))
 	cp $(BUILD)/almesh $(TO)/bin/almesh
 	cp src/almesh.h src/almesh.hpp $(TO)/include/
+	cp src/almesh.py $(TO)/share/almesh/python/
 	cp $(BUILD)/libalmesh.a $(SHARED) $(TO)/lib/
 	ln -sf $(notdir $(SHARED)) $(TO)/lib/$(SONAME)
 	ln -sf $(SONAME) $(TO)/lib/libalmesh.so
@@ -296,7 +309,7 @@ install: $(BUILD)/almesh lib ## install program, libraries, headers, manual, com
 
 uninstall: ## remove just what make install has put there (PREFIX=, DESTDIR=)
 	rm -f $(addprefix $(TO)/,$(INSTALLED))
-	-rmdir $(TO)/share/almesh/examples $(TO)/share/almesh
+	-rmdir $(addprefix $(TO)/share/almesh/,examples python .)
 
 # Of what is committed; it builds, and its tests run, without git and without a network.
 dist: ##check make almesh-VERSION.tar.gz of what is committed

@@ -89,7 +89,8 @@ class Cancelled(_Ended):
     code = 16
 
 
-_ERRORS = {kind.code: kind for kind in (UsageError, InputError, NotConverged, NotCertified, ExpectationFailed, Cancelled)}
+_ERRORS = {kind.code: kind
+           for kind in (UsageError, InputError, NotConverged, NotCertified, ExpectationFailed, Cancelled)}
 _ERRORS.update({17: UsageError, 18: UsageError, 19: UsageError})
 
 
@@ -130,7 +131,8 @@ _DECLARED = {  # of almesh.h: results, then arguments
     "on_progress": (c.c_int, _mesh, _Callback, c.c_void_p), "move": (c.c_int, _mesh),
     "frame": (c.c_int, _mesh, c.c_double), "improve": (c.c_int, _mesh),
     "certify": (c.c_int, _mesh, _doubles, c.c_size_t),
-    "adjoint": (c.c_int, _mesh, _doubles, c.c_size_t, _doubles), "tangent": (c.c_int, _mesh, _doubles, c.c_size_t, _doubles),
+    "adjoint": (c.c_int, _mesh, _doubles, c.c_size_t, _doubles),
+    "tangent": (c.c_int, _mesh, _doubles, c.c_size_t, _doubles),
     "sizes_of": (c.c_int, _mesh, _out(_Sizes)), "positions": (_doubles, _mesh), "first_positions": (_doubles, _mesh),
     "node_ids": (_ids, _mesh), "element_ids": (_ids, _mesh), "elements": (c.c_int, _mesh, _out(_Cells)),
     "boundary": (c.c_int, _mesh, c.c_int, _out(_text), _out(_Cells)),
@@ -144,7 +146,9 @@ def _library() -> Any:
     here, name = Path(__file__).resolve().parent, "libalmesh.so.0"
     named = os.environ.get("ALMESH_LIBRARY")
     places = [named] if named else [here / name, here / "almesh.libs" / name,
-                                    *sorted(here.parent.glob("build/libalmesh.so.0*")), c.util.find_library("almesh"), name]
+                                    *(folder / "lib" / name for folder in list(here.parents)[1:3]),
+                                    *sorted(here.parent.glob("build/libalmesh.so.0*")),
+                                    c.util.find_library("almesh"), name]
     failed = []
     for place in filter(None, places):
         try:
@@ -191,7 +195,8 @@ def _shaped(pointer: Any, rows: int, columns: int, kind: str) -> Any:
     count = rows * max(columns, 1)
     data = c.string_at(pointer, count * array.array(kind).itemsize) if count else b""
     if _np:
-        return _np.frombuffer(data, dtype={"d": _np.float64, "i": _np.int32, "q": _np.int64}[kind]).reshape(shape).copy()
+        kinds = {"d": _np.float64, "i": _np.int32, "q": _np.int64}
+        return _np.frombuffer(data, dtype=kinds[kind]).reshape(shape).copy()
     view = memoryview(bytearray(data))
     return view.cast(kind, shape) if columns and count else view.cast(kind)
 
@@ -318,8 +323,8 @@ def _words(*numbers: Any) -> str:
 
 class Boundary:
     """A boundary of a mesh, or a volume, and what holds its nodes. Motions of one object go on from each other:
-    m.boundary["wall"].rotate(10).translate(1, 0) turns it, and then shifts it. m.boundary["wall"] begins anew, and so do
-    fix(), free(), slide(), move_to(); a run moves the mesh as it was read."""
+    m.boundary["wall"].rotate(10).translate(1, 0) turns it, and then shifts it. m.boundary["wall"] begins anew, and so
+    do fix(), free(), slide(), move_to(); a run moves the mesh as it was read."""
 
     def __init__(self, mesh: "Mesh", name: str, index: Union[int, None], is_volume: bool = False):
         self._mesh, self.name, self._index, self._is_volume, self._steps = mesh, name, index, is_volume, []
@@ -435,7 +440,8 @@ def _by_type(cells: _Cells) -> list[Cells]:
         flat = array.array("i", [v for k in index for v in node[offset[k]:offset[k + 1]]])
         width = offset[index[0] + 1] - offset[index[0]]
         if _np:
-            result.append(Cells(_NAMES[kind], _np.array(index, _np.int32), _np.array(flat, _np.int32).reshape(-1, width)))
+            nodes = _np.array(flat, _np.int32).reshape(-1, width)
+            result.append(Cells(_NAMES[kind], _np.array(index, _np.int32), nodes))
         else:
             nodes = memoryview(flat).cast("B").cast("i", (len(index), width))
             result.append(Cells(_NAMES[kind], memoryview(array.array("i", index)), nodes))

@@ -3,8 +3,8 @@
 
   tests/install.py [--qemu] [--dist] [MAKE'S ARGUMENTS ...]    BUILD=build-test CXXFLAGS=-O2
 
-Clients in C and C++ are built by pkg-config, the library shows the functions of almesh.h alone, the meshes of a client
-are those of the program to the last bit, the manual page has no warnings. --qemu: the client runs on a Nehalem, as an
+Clients in C and C++ are built by pkg-config, Python's use what is installed and a wheel, the library shows the functions
+of almesh.h alone, the meshes of a client are those of the program to the last bit, the manual page has no warnings. --qemu: the client runs on a Nehalem, as an
 emulator has it (qemu-user), built with PORTABLE=1. --dist: the tarball is unpacked and builds the program without git.
 Standard library only.
 """
@@ -33,6 +33,9 @@ int main(int argc, char **argv) {
 """
 
 
+PYTHON = "import almesh, sys; m = almesh.read_deck(sys.argv[1]); assert m.move().certified; m.save(sys.argv[2])"
+
+
 def run(*command, **options):
     done = subprocess.run([str(word) for word in command], text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                           **options)
@@ -44,6 +47,15 @@ def run(*command, **options):
 def demand(holds, what):
     if not holds:
         sys.exit(f"tests/install.py: {what}")
+
+
+def in_wheel(work, library):
+    """The environment of an empty one of Python into which the wheel was installed, without a network."""
+    wheel = run(sys.executable, ROOT / "packaging/wheel.py", library, "0", work).strip()
+    run(sys.executable, "-m", "venv", "--without-pip", work / "venv")
+    packages = run(work / "venv/bin/python", "-c", "import site; print(site.getsitepackages()[0])").strip()
+    run(sys.executable, "-m", "pip", "install", "-q", "--no-index", "--no-deps", "--target", packages, wheel)
+    return {**os.environ, "PYTHONPATH": packages}
 
 
 def files_of(folder):
@@ -91,6 +103,13 @@ def main():
             demand(said == "", f"the library has printed: {said}")
             run(prefix / "bin/almesh", path, f"output={work}/out", cwd=work)
             demand((work / "client.msh").read_bytes() == (work / "out/final.msh").read_bytes(), f"{deck}: other bits")
+
+        module = [sys.executable, "-c", PYTHON, ROOT / "inputs/circle.deck", "module.msh"]
+        run(*module, cwd=work, env={**os.environ, "PYTHONPATH": str(prefix / "share/almesh/python")})
+        run(*module[:-1], "out/circle.msh", cwd=work, env=in_wheel(work, lib / "libalmesh.so"))
+        run(prefix / "bin/almesh", ROOT / "inputs/circle.deck", f"output={work}/out", cwd=work)
+        for mesh in ("module.msh", "out/circle.msh"):
+            demand((work / mesh).read_bytes() == (work / "out/final.msh").read_bytes(), f"{mesh}: other bits")
 
         page = prefix / "share/man/man1/almesh.1"
         if shutil.which("groff"):

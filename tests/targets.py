@@ -75,6 +75,8 @@ TARGETS = [
     Target("uninstall", settings=["PREFIX=@folder/tree"]),
     Target("dist", needs=["git"]),
     Target("test-install", "minutes"),
+    Target("wheel", "minutes", copy=["Makefile", "src", "packaging", "LICENSE", "README.md"]),
+    Target("doors", settings=["DECKS=circle targets/flap"]),
     Target("long-tests", "minutes"),
     Target("oracle", "minutes", ["DECKS=circle"], ["numpy"]),
     Target("asan", "hours"),
