@@ -372,7 +372,7 @@ student: with-solutions ##course export the course without solutions as a folder
 check-lessons: $(CHECKS) ##course check the answers to all exercises: a table (ANSWERS=solutions)
 	@tests/lessons/answers.py --build $(BUILD) $(or $(ANSWERS),exercises)
 
-lessons: with-solutions python $(BUILD)/almesh $(EXAMPLES) $(LESSON_PROGRAMS) $(SOLVED) $(CHECKS) ##check run the commands of all documents that take seconds; check the solutions of the course
+lessons: with-solutions python $(BUILD)/almesh $(SHARED) $(EXAMPLES) $(LESSON_PROGRAMS) $(SOLVED) $(CHECKS) ##check run the commands of all documents that take seconds; check the solutions of the course
 	tests/lessons/answers.py --build $(BUILD) --self-test
 	tests/lessons/hints.py --self-test
 	tests/lessons/student.py --self-test $(BUILD)
@@ -389,7 +389,7 @@ wrong-answers: with-solutions $(CHECKS) $(BUILD)/lessons/almesh_in_one_file ##co
 	tests/lessons/wrong.py --build $(BUILD) --all
 	tests/lessons/wrong_own.py --build $(BUILD) --all
 
-readmes: almesh $(EXAMPLES) python ##check run all commands of README.md and */*.md, also those of minutes, and compare (ONLY=plot/README.md)
+readmes: almesh lib $(EXAMPLES) python ##check run all commands of README.md and */*.md, also those of minutes, and compare (ONLY=plot/README.md)
 	tests/documents.py --build $(BUILD) --slow $(or $(ONLY),README.md */*.md)
 
 paper: almesh ## run the paper's decks and compare with its tables: outputs/paper/tables.md
@@ -442,8 +442,8 @@ cad-examples: almesh ##compare the same for models that OpenCASCADE and gmsh shi
 	  /usr/share/doc/gmsh-doc/doc/gmsh/demos/*/*.st*p.gz) --edges 12 --turn 0 --output cad-examples $(ONLY:%=--only %)
 
 # Each says so where its program is not installed. dolfinx is there for Debian's Python alone.
-coupling: almesh ##compare meshes moved for dolfinx, CalculiX and OpenFOAM, those that are installed
-	@for client in heat sinking shape calculix openfoam piston; do \
+coupling: almesh lib ##compare meshes moved for dolfinx, VTK, CalculiX and OpenFOAM, those that are installed
+	@for client in heat sinking shape grid calculix openfoam piston; do \
 	  python=$$(for p in $(PYTHON) /usr/bin/python3; do $$p -c 'import dolfinx' 2>/dev/null && echo $$p && break; done); \
 	  $${python:-$(PYTHON)} plot/coupling/$$client.py || exit 1; echo; done
 

@@ -203,6 +203,8 @@ class Copy:
 def run_in(folder, command, seconds):
     # A make that a command starts is nobody's child.
     environment = {name: value for name, value in os.environ.items() if name not in ("MAKEFLAGS", "MAKELEVEL", "MFLAGS")}
+    for library in (Path(folder) / "build").resolve().glob("libalmesh.so.*"):
+        environment["ALMESH_LIBRARY"] = str(library)  # of the module for Python
     try:
         done = subprocess.run(command, shell=True, cwd=folder, text=True, env=environment, stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, timeout=seconds)

@@ -6,7 +6,7 @@ import shutil
 import subprocess
 from pathlib import Path
 
-import almesh
+import clients
 
 MESH = Path("inputs/meshes/plate.msh")
 ELEMENTS, HALF_LENGTH, HALF_HEIGHT = 25, 2.5, 0.1  # of 8 nodes each, in one layer
@@ -21,7 +21,7 @@ boundary box = fixed
 def solid_mesh():
     """{place in the grid of half elements: node id}, first those inside the plate, and the mesh as ccx reads it."""
     place = {(2 * k, 1): INNER + k for k in range(1, ELEMENTS)}
-    for number, (x, y, _) in almesh.nodes(MESH).items():
+    for number, (x, y, _) in clients.nodes(MESH).items():
         if abs(x) < HALF_LENGTH + 1e-6 and abs(y) < HALF_HEIGHT + 1e-6:
             place[round((x + HALF_LENGTH) / SIZE), round(y / HALF_HEIGHT) + 1] = number
     corners = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1)]
@@ -43,15 +43,15 @@ def displacements(path):
     return steps
 
 
-almesh.need("calculix-ccx", "ccx")
-folder = almesh.new_folder("calculix")
+clients.need("calculix-ccx", "ccx")
+folder = clients.new_folder("calculix")
 place, mesh = solid_mesh()
 (folder / "mesh.inp").write_text(mesh)
 shutil.copy("plot/coupling/calculix.inp", folder / "plate.inp")
 subprocess.run(["ccx", "-i", "plate"], cwd=folder, check=True, stdout=subprocess.DEVNULL)
 steps = displacements(folder / "plate.dat")
 print("CalculiX: t, displacement of the tip")
-coupled = almesh.Coupled(folder, DECK)
+coupled = clients.Coupled(folder, DECK)
 for k, (t, rows) in enumerate(steps, 1):
     (folder / "plate.csv").write_text("\n".join(",".join(row) for row in rows if int(row[0]) < INNER) + "\n")
     coupled.mesh(t, folder / "plate.csv")

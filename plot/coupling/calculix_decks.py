@@ -18,10 +18,10 @@ import sys
 from collections import defaultdict
 from pathlib import Path
 
-import almesh
+import clients
 
 EXAMPLES = "/usr/share/doc/calculix-ccx-test/examples/test"
-almesh.need("calculix-ccx calculix-ccx-test python3-numpy", "ccx", "numpy")
+clients.need("calculix-ccx calculix-ccx-test python3-numpy", "ccx", "numpy")
 
 import numpy as np
 
@@ -102,7 +102,7 @@ def main():
     parser.add_argument("folder", nargs="*", default=[EXAMPLES])
     options = parser.parse_args()
     os.environ.setdefault("OMP_NUM_THREADS", "1")
-    folder = almesh.new_folder("calculix_decks")
+    folder = clients.new_folder("calculix_decks")
     files = [file for file in copies(options.folder, folder) if options.only in file.name]
     checker = patch.Checker("almesh", 20)
     refused, words, agree, faults, apart = defaultdict(list), defaultdict(list), [], [], 0.0

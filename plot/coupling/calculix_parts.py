@@ -7,9 +7,9 @@ import re
 import subprocess
 import sys
 
-import almesh
+import clients
 
-almesh.need("calculix-ccx python3-gmsh python3-matplotlib", "ccx", "gmsh", "matplotlib")
+clients.need("calculix-ccx python3-gmsh python3-matplotlib", "ccx", "gmsh", "matplotlib")
 
 import gmsh
 import matplotlib.pyplot as plt
@@ -127,7 +127,7 @@ def draw(ax, x, cells, value, limit, title):
     ax.set(aspect="equal", xticks=[], yticks=[], title=title)
 
 
-folder = almesh.new_folder("calculix_parts")
+folder = clients.new_folder("calculix_parts")
 gmsh.initialize(["", "-v", "0"])
 for option, value in (("ElementOrder", 2), ("SecondOrderLinear", 0), ("HighOrderOptimize", 0)):
     gmsh.option.setNumber("Mesh." + option, value)

@@ -4,7 +4,7 @@ import os
 import subprocess
 import sys
 
-import almesh
+import clients
 
 CONTROL = """startFrom startTime; startTime %s; stopAt endTime; endTime %s; deltaT %s; writeControl timeStep;
 writeInterval 1; writePrecision 17; timePrecision 12;"""
@@ -42,5 +42,5 @@ class Case:
         path.write_text(f"FoamFile {{ version 2.0; format ascii; class {kind}; object {path.name}; }}\n{text}\n")
 
     def write_points(self, time, mesh):
-        rows = [f"({x!r} {y!r} {z!r})" for x, y, z in almesh.nodes(mesh).values()]
+        rows = [f"({x!r} {y!r} {z!r})" for x, y, z in clients.nodes(mesh).values()]
         self.write(f"{time:g}/polyMesh/points", "vectorField", "\n".join([str(len(rows)), "(", *rows, ")"]))

@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 
-import almesh
+import clients
 
 
 def listed(values):
@@ -22,7 +22,7 @@ class Faces:
         self.inner, self.cells = len(self.neighbour), self.owner.max() + 1
         patches = (case.folder / "constant" / "polyMesh" / "boundary").read_text()
         self.patches = re.findall(r"(\w+)\n\s*{[^}]*nFaces\s+(\d+);\s*startFace\s+(\d+);", patches)
-        corners = np.array(list(almesh.nodes(mesh)))[self.corners].tolist()
+        corners = np.array(list(clients.nodes(mesh)))[self.corners].tolist()
         self.with_nodes = {frozenset(face): (f, face) for f, face in enumerate(corners)}
 
     def balance(self, values):

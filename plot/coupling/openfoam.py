@@ -5,7 +5,7 @@ openfoam."""
 import re
 import sys
 
-import almesh
+import clients
 import foam
 
 DECK = """mesh = ../../../inputs/meshes/body.msh
@@ -24,10 +24,10 @@ def number(before, text):
     return float(re.search(before + r" ([0-9.e+-]*\d)", text)[1])
 
 
-almesh.need("openfoam", "gmshToFoam", "checkMesh", "potentialFoam")
-folder = almesh.new_folder("openfoam")
+clients.need("openfoam", "gmshToFoam", "checkMesh", "potentialFoam")
+folder = clients.new_folder("openfoam")
 print("OpenFOAM: a potential flow past a body")
-meshes = almesh.run(folder, DECK)
+meshes = clients.run(folder, DECK)
 case = foam.Case(folder, meshes[0])
 print("t, volume, largest non-orthogonality and skewness, checkMesh, continuity error of the potential flow")
 for k, mesh in enumerate(meshes):

@@ -4,9 +4,9 @@ in it, which the piston sweeps up while it diffuses. The flux of the mesh is wha
 step is a run on the mesh at its end; the volumes before (V0) and the flux (meshPhi) are files, which OpenFOAM reads
 where a run with a moving mesh goes on. Dust is conserved, and even dust that may pass all walls stays even.
 `make coupling`; Debian: openfoam."""
-import almesh
+import clients
 
-almesh.need("openfoam python3-numpy", "gmshToFoam", "scalarTransportFoam", "numpy")
+clients.need("openfoam python3-numpy", "gmshToFoam", "scalarTransportFoam", "numpy")
 
 import numpy as np
 
@@ -37,13 +37,13 @@ def step(t, dust, before, mesh_flux, relative):
     return np.array(text.split(), float)
 
 
-folder = almesh.new_folder("piston")
+folder = clients.new_folder("piston")
 print("OpenFOAM: a piston sweeps dust", flush=True)
-meshes = almesh.run(folder, DECK)
+meshes = clients.run(folder, DECK)
 case = foam.Case(folder, meshes[0])
 case.write("constant/transportProperties", "dictionary", "DT [0 2 -1 0 0 0 0] 0.05;")
 faces = Faces(case, meshes[0])
-positions = [np.array(list(almesh.nodes(mesh).values())) for mesh in meshes]
+positions = [np.array(list(clients.nodes(mesh).values())) for mesh in meshes]
 even, z = np.ones(faces.cells), positions[0][faces.corners, 2].mean(axis=1)
 dust = np.where(np.bincount(faces.owner, z) + np.bincount(faces.neighbour, z[:faces.inner], faces.cells) < 4, 1.0, 0.0)
 content = dust @ faces.volumes(positions[0])  # dust is where z < 1

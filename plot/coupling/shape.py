@@ -2,15 +2,15 @@
 """The body of least drag among those of one area in Stokes flow, with dolfinx and scipy: a circle is towed through a
 box of fluid at speed 1. Its drag is the dissipation 2 (e(u), e(u)), e the symmetric gradient, whose minimum with
 div u = 0 is the flow. So the Lagrangian L = 2 (e(u), e(u)) - 2 (p, div u) has no derivative by u and p: the drag's by
-the nodes is that of L, exactly, in finite elements. `almesh adjoint` makes one by the body's nodes of it; BFGS moves
+the nodes is that of L, exactly, in finite elements. Mesh.adjoint makes one by the body's nodes of it; BFGS moves
 these along their rays, alike in all quarters: radius exp(sum z_k cos(2 k t) / sqrt(1 + k)), scaled to keep the area.
-Each mesh is moved from the circle's. `make coupling` or plot/coupling/shape.py [iterations]; python3-dolfinx."""
+Each mesh starts from those before. `make coupling` or plot/coupling/shape.py [iterations]; python3-dolfinx."""
 import logging
 import sys
 
-import almesh
+import clients
 
-almesh.need("python3-dolfinx python3-gmsh python3-matplotlib python3-scipy", "dolfinx", "gmsh", "matplotlib", "scipy")
+clients.need("python3-dolfinx python3-gmsh python3-matplotlib python3-scipy", "dolfinx", "gmsh", "matplotlib", "scipy")
 
 import gmsh
 import matplotlib.pyplot as plt
@@ -22,19 +22,15 @@ from mpi4py import MPI
 from scipy.optimize import minimize
 
 logging.disable(logging.INFO)  # of the compiler of forms
-folder = almesh.new_folder("shape")
-(folder / "motion.deck").write_text("""mesh = circle.msh
-boundary body = file body.csv
-boundary box = fixed
-objective = squared  # has derivatives at a mesh without distortion, too
-""")
+folder = clients.new_folder("shape")
 gmsh.initialize(["", "-v", "0"])
 gmsh.open("plot/coupling/shape.geo")
 gmsh.model.mesh.generate(2)
-gmsh.write(str(folder / "circle.msh"))
 domain, _, facets = gmshio.model_to_mesh(gmsh.model, MPI.COMM_WORLD, 0, gdim=2)
-x, ids = domain.geometry.x, np.array(domain.geometry.input_global_indices) + 1
-start, body = x[:, :2].copy(), np.flatnonzero(np.hypot(*x.T[:2]) < 1 + 1e-9)
+x, mesh = domain.geometry.x, clients.mesh_of(domain, facets, body=1, box=2)
+mesh.boundary["box"].fix()
+mesh.set("objective", "squared")  # has derivatives at a mesh without distortion, too
+start, body = x[:, :2].copy(), mesh.boundary["body"].nodes
 N = len(body) // 4  # edges of a quarter
 place = np.rint(np.arcsin(abs(start[body, 1])) * 2 * N / np.pi).astype(int)  # of the body's nodes in a quarter
 flow = fem.FunctionSpace(domain, ufl.VectorElement("P", "triangle", 2) * ufl.FiniteElement("P", "triangle", 1))
@@ -60,16 +56,17 @@ def value(z):
     """Drag and derivatives by z."""
     r = np.exp(modes @ z)
     r *= np.sqrt(N / (r[1:] @ r[:-1]))  # the body's area is 2 r[1:] @ r[:-1] sin(pi / 2 / N)
-    almesh.write_nodes(folder / "body.csv", ids[body], r[place, None] * start[body])
-    told, nodes = almesh.move(folder), almesh.nodes(folder / "mesh" / "final.msh")
-    x[:] = [nodes[i] for i in ids]
+    mesh.boundary["body"].move_to(r[place, None] * start[body])
+    told = mesh.frame(len(seen))
+    x[:, :2] = mesh.x
     stokes.solve()
-    g = almesh.adjoint(folder, ids[node], fem.petsc.assemble_vector(by_nodes).array.reshape(-1, 2))
-    g = np.bincount(place, [start[i] @ g[ids[i]] for i in body])
+    by_x = np.empty_like(start)
+    by_x[node] = fem.petsc.assemble_vector(by_nodes).array.reshape(-1, 2)
+    g = np.bincount(place, (start * mesh.adjoint(by_x))[body].sum(axis=1))
     g = r * (g - (r @ g) / (2 * N) * (np.append(r[1:], 0) + np.append(0, r[:-1]))) @ modes
     a, b, edge = np.cos(np.pi / 2 / N), np.sin(np.pi / 2 / N), 2 * np.sin(np.pi / 4 / N)
     seen[z.tobytes()] = (fem.assemble_scalar(drag), abs(g).max(), 2 * np.degrees(np.arctan2(r[1] * b, r[0] - r[1] * a)),
-                         abs(r - 1).max() / edge, float(told["max_distortion"]), told["certified_injective"])
+                         abs(r - 1).max() / edge, told.max_distortion, told.certified_injective)
     return seen[z.tobytes()][0], g
 
 

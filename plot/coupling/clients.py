@@ -1,4 +1,5 @@
-"""What the clients share: a run of almesh, and the nodes of the meshes that it writes. Standard library only."""
+"""What the clients share: the mesh of dolfinx in memory; for other programs runs of almesh, and the nodes of the meshes
+that it writes. Standard library only, but for what dolfinx needs."""
 import csv
 import importlib.util
 import shutil
@@ -7,6 +8,7 @@ import sys
 from pathlib import Path
 
 OUTPUTS = Path("outputs/coupling")
+sys.path.append("src")  # where the module almesh is
 
 
 def need(packages, *names):
@@ -34,24 +36,18 @@ def run(folder, deck):
     return sorted((folder / "mesh").glob("frame-*.msh"))
 
 
-def move(folder, *J):
-    """Runs the folder's motion.deck, or differentiates functions of its mesh. Returns what summary.txt says."""
-    command = ["./almesh", *["adjoint"][:len(J)], folder / "motion.deck", *J, f"output={folder}/mesh"]
-    subprocess.run(command, stdout=subprocess.DEVNULL, check=True)
-    return dict(line.split(" = ") for line in (folder / "mesh" / "summary.txt").read_text().splitlines())
-
-
-def adjoint(folder, ids, rows):
-    """{id: derivatives by the boundary's nodes} of a function with these derivatives by the nodes of the moved mesh."""
-    write_nodes(folder / "J.csv", ids, rows)
-    move(folder, folder / "J.csv")
-    _, *rows = (folder / "mesh" / "adjoint-J.csv").read_text().splitlines()
-    return {int(words[0]): tuple(map(float, words[1:])) for words in (row.split(",") for row in rows)}
-
-
-def write_nodes(path, ids, rows):
-    """A node file, or one of derivatives."""
-    path.write_text("".join(",".join(map(str, [i, *row])) + "\n" for i, row in zip(ids, rows)))
+def mesh_of(domain, facets, **tags):
+    """The mesh of a domain of dolfinx in memory, its nodes in dolfinx's order; its boundaries have tags of facets."""
+    import numpy as np
+    import almesh
+    of, dim = domain.topology, domain.topology.dim
+    of.create_connectivity(dim - 1, 0)
+    vertices, cells = of.connectivity(dim - 1, 0), domain.geometry.dofmap.array.reshape(-1, dim + 1)
+    node = np.empty(len(domain.geometry.x), int)
+    node[of.connectivity(dim, 0).array] = cells.ravel()
+    line, triangle = (("line", "triangle"), ("triangle", "tetrahedron"))[dim - 2]
+    faces = {name: {line: node[[vertices.links(f) for f in facets.find(tag)]]} for name, tag in tags.items()}
+    return almesh.from_arrays(domain.geometry.x[:, :dim], {triangle: cells}, faces)
 
 
 class Coupled:
