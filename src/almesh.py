@@ -167,6 +167,8 @@ def _library() -> Any:
 
 _lib = _library()
 _NAMES = ("line", "triangle", "quadrilateral", "tetrahedron", "hexahedron", "prism", "pyramid")
+_NODES = (lambda m: m, lambda m: m * (m + 1) // 2, lambda m: m * m, lambda m: m * (m + 1) * (m + 2) // 6,
+          lambda m: m ** 3, lambda m: m * m * (m + 1) // 2, lambda m: m * (m + 1) * (2 * m + 1) // 6)  # m: degree + 1
 
 
 def _raise(code: int) -> None:
@@ -206,9 +208,10 @@ def _given(numbers: Numbers, kind: str = "d") -> tuple[Any, int]:
     of_c = {"d": c.c_double, "i": c.c_int}[kind]
     if _np:
         try:
-            flat = _np.asarray(numbers, dtype=_np.float64 if kind == "d" else _np.int64).ravel()
-        except (TypeError, ValueError) as error:
-            raise UsageError(f"an array of numbers is due: {error}") from error
+            flat = _np.asarray(numbers).ravel()
+            flat = flat.astype(_np.float64 if kind == "d" else _np.int64, casting="same_kind") if flat.size else flat
+        except (TypeError, ValueError, OverflowError) as error:
+            raise UsageError(f"an array of {'numbers' if kind == 'd' else 'indices'} is due: {error}") from error
         if kind == "i" and flat.size and abs(flat).max() >= 2**31:
             raise UsageError("a node's index is beyond the range of int")
         flat = _np.ascontiguousarray(flat, dtype=_np.float64 if kind == "d" else _np.int32)
@@ -219,7 +222,7 @@ def _given(numbers: Numbers, kind: str = "d") -> tuple[Any, int]:
     try:
         return (of_c * max(len(flat), 1))(*flat), len(flat)
     except TypeError as error:
-        raise UsageError(f"an array of numbers is due: {error}") from error
+        raise UsageError(f"an array of {'numbers' if kind == 'd' else 'indices'} is due: {error}") from error
 
 
 def _table(function: Any, columns: int) -> Iterator[list[str]]:
@@ -382,14 +385,15 @@ class Boundary:
 
     def move_to(self, x: Numbers) -> "Boundary":
         """Its nodes go to these positions: of all nodes of the mesh as it was read (nodes x dim), of which those of the
-        boundary count; or of its own nodes alone, in the order of Boundary.nodes."""
-        mesh = self._mesh
+        boundary count; or of its own nodes alone, in the order of Boundary.nodes as it was read."""
+        mesh, dim, nodes = self._mesh, self._mesh.dim, self._mesh._read_nodes
         values, count = _given(x)
-        if count == len(self.nodes) * mesh.dim and count != mesh.node_count * mesh.dim:
-            every, own = _given(mesh.first_x)[0], self.nodes
-            for k, node in enumerate(own.tolist()):
-                every[mesh.dim * node:mesh.dim * (node + 1)] = values[mesh.dim * k:mesh.dim * (k + 1)]
-            values, count = every, mesh.node_count * mesh.dim
+        own = [node for node in self.nodes.tolist() if node < nodes]
+        if count == len(own) * dim and count != nodes * dim:
+            every, count = (c.c_double * (nodes * dim))(*_given(mesh.first_x)[0][:nodes * dim]), nodes * dim
+            for k, node in enumerate(own):
+                every[dim * node:dim * (node + 1)] = values[dim * k:dim * (k + 1)]
+            values = every
         _check(_lib.almesh_set_boundary_positions(mesh._handle, _bytes(self.name), values, count))
         self._steps = []
         mesh._motions[False, self.name] = "positions"
@@ -476,6 +480,7 @@ class Mesh:
     def __init__(self, handle: c.c_void_p):
         self._handle, self._sizes, self._motions, self.result = handle, None, {}, None
         sizes = self._size()
+        self._read_nodes = sizes.nodes
         self._boundaries = self._names(_lib.almesh_boundary, sizes.boundaries, 1)
         self._volumes = self._names(_lib.almesh_volume, sizes.volumes, 2)
 
@@ -543,7 +548,7 @@ class Mesh:
 
     def frame(self, t: float, progress: Union[Callable[[Progress], Any], None] = None, **settings: Any) -> Result:
         """The same at the time t of a motion in time, from the meshes of frames before."""
-        return self._run(lambda: _lib.almesh_frame(self._handle, t), progress, settings)
+        return self._run(lambda: _lib.almesh_frame(self._handle, float(t)), progress, settings)
 
     def frames(self, times: Iterable[float]) -> Iterator[Result]:
         """frame(t) for each of the times: `for r in m.frames(times): use(m.x)`."""
@@ -728,7 +733,9 @@ def from_arrays(x: Numbers, cells: Mapping[str, Any], boundaries: Mapping[str, M
     """A mesh from arrays. x: nodes x dim. cells: {"triangle": count x nodes, ...}, nodes of a cell of the degree in the
     order of Gmsh. boundaries: {"wall": {"line": count x 2}}; outer faces in none are "untagged", all are "boundary" if
     there is none. volumes: elements with a name, {"rotor": {"triangle": ...}}, which are in `cells` no more."""
-    rows = x.tolist() if hasattr(x, "tolist") else [list(row) for row in x]
+    rows = x.tolist() if hasattr(x, "tolist") else [list(row) if hasattr(row, "__iter__") else row for row in x]
+    if degree not in range(1, 8):
+        raise UsageError(f"degree = {degree}: degrees are 1 to 7")
     if not rows or not hasattr(rows[0], "__len__") or len({len(row) for row in rows}) != 1:
         raise UsageError("x: an array of nodes x dim is due")
     blocks, kept = [], []
@@ -737,8 +744,11 @@ def from_arrays(x: Numbers, cells: Mapping[str, Any], boundaries: Mapping[str, M
             if kind not in _NAMES:
                 raise UsageError(f"{kind!r} is no type of cells: {', '.join(_NAMES)}")
             values, count = _given(nodes, "i")
-            shape = getattr(nodes, "shape", None)
-            width = shape[1] if shape and len(shape) == 2 else len(nodes[0]) if len(nodes) else 1
+            width = _NODES[_NAMES.index(kind)](degree + 1)
+            shape = getattr(nodes, "shape", None) or \
+                (len(nodes), *(len(row) for row in nodes[:1] if hasattr(row, "__len__")))
+            if count % width or (count and len(shape) == 2 and shape[1] != width):
+                raise UsageError(f"{kind}s of degree {degree} have {width} nodes each, and {count} are given")
             blocks.append(_Block(_NAMES.index(kind), count // width, values, None if group is None else _bytes(group)))
             kept.append(values)
     values, count = _given(rows)

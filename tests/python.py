@@ -98,6 +98,11 @@ class Moves(unittest.TestCase):
         other.boundary["inner"].move_to(own)
         other.move()
         self.assertEqual(flat(mesh.x), flat(other.x))
+        other.move(degree=2)
+        self.assertGreater(other.node_count, mesh.node_count)
+        other.boundary["inner"].move_to(own)
+        self.assertTrue(other.move(degree=1).certified)
+        self.assertEqual(flat(mesh.x), flat(other.x))
 
     def test_frames_are_a_loop(self):
         mesh = circle()
@@ -168,6 +173,13 @@ class Errors(unittest.TestCase):
         self.refused(almesh.UsageError, "numbers given", mesh.certify, [[0.0, 0.0]])
         self.refused(almesh.UsageError, "array", mesh.certify, [["a", "b"]] * mesh.node_count)
         self.refused(almesh.UsageError, "code 0", mesh.set, "title", "a\0b")
+        corner = [[0, 0], [1, 0], [0, 1]]
+        self.refused(almesh.UsageError, "have 3 nodes each", almesh.from_arrays, corner, {"triangle": [[0, 1]]})
+        self.refused(almesh.UsageError, "have 6 nodes each", almesh.from_arrays, corner, {"triangle": [[0, 1, 2]]},
+                     degree=2)
+        self.refused(almesh.UsageError, "indices", almesh.from_arrays, corner, {"triangle": [[0.5, 1, 2]]})
+        self.refused(almesh.UsageError, "node -1", almesh.from_arrays, corner, {"triangle": [[0, 1, -1]]})
+        self.refused(almesh.UsageError, "nodes x dim", almesh.from_arrays, [1, 2, 3], {})
         self.refused(almesh.UsageError, "no type of cells", almesh.from_arrays, [[0, 0]], {"pentagon": [[0]]})
         self.refused(almesh.UsageError, "", lambda: mesh.multipliers)
         self.refused(AttributeError, "no quantity", lambda: circle().move().quality_of_mine)
