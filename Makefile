@@ -263,7 +263,7 @@ $(BUILD)/libalmesh.a: $(LIBRARY)
 
 SONAME    := libalmesh.so.0
 SHARED    := $(BUILD)/libalmesh.so.$(VERSION)
-lib: $(SHARED) $(BUILD)/libalmesh.a ## build the libraries for C, $(BUILD)/libalmesh.so.*, and C++, libalmesh.a (PORTABLE=1)
+lib: $(SHARED) $(BUILD)/libalmesh.a ## build the libraries for C, build/libalmesh.so.*, and C++, libalmesh.a (PORTABLE=1)
 
 $(SHARED): $(LIBRARY)
 	$(call said,LINK,$@)
@@ -312,7 +312,7 @@ uninstall: ## remove just what make install has put there (PREFIX=, DESTDIR=)
 	-rmdir $(addprefix $(TO)/share/almesh/,examples python .)
 
 # Of what is committed; it builds, and its tests run, without git and without a network.
-dist: ##check make almesh-VERSION.tar.gz of what is committed
+dist: ##check make almesh-VERSION.tar.gz of what is committed, which builds and tests itself offline
 	rm -rf $(BUILD)/almesh-$(VERSION)
 	mkdir -p $(BUILD)
 	git archive --prefix=almesh-$(VERSION)/ HEAD | tar -x -C $(BUILD)

@@ -109,7 +109,7 @@ struct Options {
     int max_newton_steps = 200;      // of one minimisation
     bool may_slide = true;           // if no valid mesh has the prescribed boundary, its nodes slide along it; false:
                                      // this is an error
-    int threads = 0;                 // of all objects; 0: as many as the machine has, or OMP_NUM_THREADS
+    int threads = 0;                 // of the object's calls; 0: as many as the machine has, or OMP_NUM_THREADS
 };
 
 // After every Newton step and, with newton_step = 0, after every iteration of the augmented Lagrangian.

@@ -106,6 +106,15 @@ TEST_CASE("nodes of the arrays without an element stay, and faces without a name
     CHECK(moved.is_good());
     CHECK(moved.x[moved.x.size() - 2] == 7);
     CHECK(moved.x[0] == 1);
+    std::vector<double> target = arrays.x;
+    for (std::size_t k = 0; k < target.size(); k += 2) target[k] += 1;
+    arrays.x.insert(arrays.x.begin(), {7, 7});  // before all others, as if a file had it
+    target.insert(target.begin(), {7, 7});
+    for (Cells& cells : arrays.elements)
+        for (int& node : cells.nodes) ++node;
+    MovingMesh shifted(arrays);
+    shifted.set("boundary", Boundary::moves_to(target));
+    CHECK(shifted.move().x[2] == 1);
 }
 
 TEST_CASE("a target as an array and a position as a function are one motion") {
