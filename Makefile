@@ -1,6 +1,6 @@
 # almesh: `make help` lists the targets that one needs first, `make help-all` the others too.
 CXX       ?= g++
-# PORTABLE=1: for every processor of that level, in a build of its own; the results have the same bits.
+# PORTABLE=1: for every processor of that level, in a build of its own; on one processor both have the same bits.
 BASELINE  ?= $(if $(filter x86_64,$(shell uname -m)),-march=x86-64-v2)
 ifdef PORTABLE
 CXXFLAGS  := -O3 $(BASELINE)
