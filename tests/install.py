@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Installs almesh into a folder of its own, uses what is there, and nothing else, and uninstalls it: `make test-install`.
+"""Installs almesh into a folder, uses what is there, and nothing else, and uninstalls it: `make test-install`.
 
   tests/install.py [--qemu] [--dist] [MAKE'S ARGUMENTS ...]    BUILD=build-test CXXFLAGS=-O2
 
@@ -91,11 +91,13 @@ def main():
         examples = prefix / "share/almesh/examples"
         (work / "client.c").write_text(CLIENT)
         for source, program in ((work / "client.c", "client"), (examples / "shapes.c", "shapes")):
-            run("cc", "-std=c99", "-Wall", "-Wextra", "-Werror", source, *flags("almesh"), "-lm", "-o", program, cwd=work)
+            run("cc", "-std=c99", "-Wall", "-Wextra", "-Werror", source, *flags("almesh"), "-lm", "-o", program,
+                cwd=work)
         shutil.copytree(examples, work / "examples")
         run("c++", "-std=c++20", "examples/first.cpp", "-I.", *flags("almesh-c++"), "-o", "first", cwd=work)
         demand("certified valid and injective" in run("./first", cwd=work), "the client in C++")
-        demand("3 shapes made" in run("./shapes", examples / "circle.msh", work, 3, cwd=work, env=environment), "shapes")
+        said = run("./shapes", examples / "circle.msh", work, 3, cwd=work, env=environment)
+        demand("3 shapes made" in said, f"shapes: {said}")
         run(prefix / "bin/almesh", examples / "circle.deck", cwd=work)
 
         under = ["qemu-x86_64", "-cpu", "Nehalem"] if options.qemu else []
@@ -134,8 +136,8 @@ def main():
             run("make", "-s", "-C", source, "almesh", *options.make)
             commit = run("git", "-C", ROOT, "rev-parse", "--short", "HEAD").strip()
             demand(commit in run(source / "almesh", "--version"), "the tarball does not know its commit")
-        print(f"{len(installed)} files installed, used and removed; {len(shown)} functions; {len(decks)} decks with the "
-              f"bits of the program{' on the baseline' * options.qemu}")
+        print(f"{len(installed)} files installed, used and removed; {len(shown)} functions; {len(decks)} decks with "
+              f"the bits of the program{' on the baseline' * options.qemu}")
     finally:
         shutil.rmtree(work)
 
