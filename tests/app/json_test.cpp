@@ -3,10 +3,11 @@
 #include <doctest/doctest.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <csignal>
 #include <limits>
-#include <regex>
 
 #include "problem/summary.hpp"
 #include "report/iteration_table.hpp"
@@ -43,8 +44,21 @@ std::string last_line(const std::string& text) {
     return text.substr(text.rfind('\n', end - 1) + 1, end - text.rfind('\n', end - 1) - 1);
 }
 
+// Numbers before an `s` that ends a word become T, without the blanks around them.
 std::string without_times(const std::string& text) {
-    return std::regex_replace(text, std::regex(" *[0-9.]+ ?s\\b"), " T");
+    std::string result;
+    for (std::size_t i = 0; i < text.size();) {
+        std::size_t first = i, last, end;
+        while (first < text.size() && text[first] == ' ') ++first;
+        last = std::min(text.find_first_not_of("0123456789.", first), text.size());
+        end = last < text.size() && text[last] == ' ' ? last + 1 : last;
+        const bool is_time = last > first && end < text.size() && text[end] == 's' &&
+                             (end + 1 == text.size() || !std::isalnum(static_cast<unsigned char>(text[end + 1])));
+        if (is_time) result += " T";
+        else result += text.substr(i, std::max(last, i + 1) - i);
+        i = is_time ? end + 1 : std::max(last, i + 1);
+    }
+    return result;
 }
 
 std::string inner_named(const std::string& name) {
