@@ -168,9 +168,7 @@ MeshSource read_source(const Deck& deck) {
     try {
         source.text = read_file(deck.mesh);
     } catch (const InputError& error) {
-        const auto line = deck.given.find("mesh");
-        if (line == deck.given.end()) throw;
-        throw InputError(line->second, ": ", error.what());
+        throw InputError(deck.given.at("mesh"), ": ", error.what());
     }
     parallel_invoke([&] { source.raw = parse_mesh(source.text, deck.mesh); },
                     [&] { source.hash = hash_of(source.text); });
