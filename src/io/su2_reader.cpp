@@ -85,7 +85,7 @@ struct Su2Reader {
     // Of each transformation its centre, the angles about x, y and z in radians, and the translation, the last. What
     // is not that is passed over.
     void periodic(const std::string& keyword) {
-        const std::vector<std::string_view> numbers = words(std::string_view(in.at, std::find(in.at, in.end, '\n')));
+        const auto numbers = words(std::string_view(in.at, std::find(in.at, in.end, '\n') - in.at));
         Vec<3> value{};
         for (std::size_t a = 0; a < std::min<std::size_t>(3, numbers.size()); ++a)
             value[a] = parse_double(numbers[a]).value_or(0);
@@ -153,7 +153,7 @@ struct Su2Reader {
         const char* stop = in.at;
         while (stop != in.end && *stop != '=' && *stop != '\n') ++stop;
         if (stop == in.end || *stop != '=') return "";
-        const std::string keyword(trim(std::string_view(in.at, stop)));
+        const std::string keyword(trim(std::string_view(in.at, stop - in.at)));
         in.at = stop + 1;
         return keyword;
     }
@@ -256,7 +256,7 @@ struct Su2Reader {
     void marker_rows(int tag) {
         const int count = count_of("the number of elements", 0);
         std::pair end(in.at, in.line);  // of the last line taken
-        for (; in.next_line() && std::string_view(in.at, in.end).starts_with("SEND_"); end = {in.at, in.line})
+        for (; in.next_line() && std::string_view(in.at, in.end - in.at).starts_with("SEND_"); end = {in.at, in.line})
             in.rest_of_line();
         std::tie(in.at, in.line) = end;
         rows("elements", count, [&](int) {

@@ -22,7 +22,7 @@ using NodeKey = std::array<std::pair<int, int>, 4>;
 
 struct NodeKeyHash {
     std::size_t operator()(const NodeKey& key) const {
-        std::size_t h = 14695981039346656037u;  // as FNV-1a, by whole pairs
+        unsigned long long h = 14695981039346656037u;  // as FNV-1a, by whole pairs
         for (const auto& [vertex, entry] : key) h = (h ^ (offset(vertex, max_degree + 1, entry))) * 1099511628211u;
         return h;
     }

@@ -89,7 +89,7 @@ void for_equal_sides(std::vector<Side>& sides, const Body& body) {
     const auto last = sides.end();
     for (auto begin = sides.begin(), end = begin; begin != last; begin = end) {
         end = std::find_if(begin, last, [&](const Side& side) { return side.vertex != begin->vertex; });
-        body(std::span<const Side>(begin, end));
+        body(std::span<const Side>(&*begin, end - begin));
     }
 }
 
