@@ -249,6 +249,15 @@ def mesh_data(frames):
 
 # ------------------------------------------------------------------------------------------------------------- the page
 
+def with_scripts(title, data):
+    """viewer/page.html with its scripts, and these two texts."""
+    text, *code = ((HERE / "viewer" / name).read_text()
+                   for name in ("page.html", "scene.js", "marks.js", "curves.js", "panels.js"))
+    for mark, put in (("title", title), ("scripts", "\n".join(code)), ("data", data)):
+        text = text.replace(f"<!-- {mark} -->", put)
+    return text
+
+
 def write_page(folder):
     """Writes page.html into the folder; returns a line that says what is in it."""
     files, series, first = frame_files(folder)
@@ -264,10 +273,7 @@ def write_page(folder):
     parts["data"] = json.dumps(data, separators=(",", ":")).encode()
     packed = {name: base64.b64encode(gzip.compress(part, 6, mtime=0)).decode() for name, part in parts.items()}
     scripts = "\n".join(f'<script type="text/plain" id="{name}">{text}</script>' for name, text in packed.items())
-    page, *code = ((HERE / "viewer" / name).read_text()
-                   for name in ("page.html", "scene.js", "marks.js", "curves.js", "panels.js"))
-    for mark, text in (("title", html.escape(title)), ("scripts", "\n".join(code)), ("data", scripts)):
-        page = page.replace(f"<!-- {mark} -->", text)
+    page = with_scripts(html.escape(title), scripts)
     (folder / "page.html").write_text(page)
     what = f"{len(frames)} {series}, {data['elements']} elements, {len(page) / 1e6:.1f} MB"
     return f"{folder / 'page.html'}: {what}" + (notes and f" ({notes})")
