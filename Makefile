@@ -81,7 +81,7 @@ Q         := $(if $(V),,@)
 said       = $(if $(V),,@printf '%-5s %s\n' '$(1)' '$(2)')
 
 .DEFAULT_GOAL := all
-.PHONY: all quick run-quick-tests oracle run help test test-page page run-tests run-oracle run-patch patch long-tests \
+.PHONY: all quick run-quick-tests oracle run help test test-page page wasm test-wasm run-tests run-oracle run-patch patch long-tests \
         doctest python numpy asan fuzz bench compare compare-cholmod compare-gmsh compare-improve \
         cad-models cad-examples cholmod paper gauntlet generated untangle improve slurm certificates defaults \
         derivatives drift coupling calculix judges run-fast-tests run-fast-app-tests run-fast-other-tests matrix \
@@ -468,6 +468,23 @@ page: DECK ?= inputs/circle.deck
 
 test-page: $(BUILD)/almesh python ##check use pages of results in a headless Chromium, and look for errors (chromium, npm)
 	tests/page.py --build $(BUILD)
+
+# Without threads, with two numbers in a register. An object of clang takes no precompiled header after another include.
+WASM      := -O2 -msimd128 -fwasm-exceptions -fno-PIC -include plot/viewer/to_chars.hpp
+ENTRIES    = $(shell grep -oE 'almesh_[a-z_]+\(' src/almesh.h | sort -u | sed 's/(/,/; s/^/_/' | tr -d '\n')_page_faces,_malloc
+wasm: python ## make outputs/almesh.html: almesh in a browser, in one page that needs nothing else (emscripten, npm)
+	@command -v em++ >/dev/null || { echo 'there is no em++ here (Debian: emscripten)'; exit 1; }
+	$(MAKE) BUILD=build-wasm CXX=em++ AR=emar OPENMP= READ_ONCE= CXXFLAGS='$(WASM)' build-wasm/almesh.js
+	$(PYTHON) plot/app.py build-wasm/almesh.js outputs/almesh.html
+
+$(BUILD)/almesh.js: $(LIBRARY) $(BUILD)/plot/viewer/faces.o
+	$(call said,LINK,$@)
+	$(Q)NODE_PATH=/usr/share/nodejs $(CXX) -O1 -msimd128 -fwasm-exceptions $^ -o $@ -sMODULARIZE -sEXPORT_NAME=almesh \
+	  -sSINGLE_FILE -sALLOW_MEMORY_GROWTH -sMAXIMUM_MEMORY=4GB -sTOTAL_STACK=8MB -sALLOW_TABLE_GROWTH \
+	  -sEXPORTED_FUNCTIONS=$(ENTRIES) -sEXPORTED_RUNTIME_METHODS=FS,ccall,addFunction,UTF8ToString
+
+test-wasm: wasm $(BUILD)/almesh ##check use that page in a headless Chromium: the program's bits, errors, cancel (emscripten, chromium, npm)
+	tests/wasm.py --build $(BUILD) outputs/almesh.html
 
 quality: ##compare the quality of elements before and after almesh improve, drawn (RESULTS=outputs/tangled; matplotlib)
 	$(PYTHON) plot/quality.py $(RESULTS)
