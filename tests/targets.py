@@ -45,6 +45,7 @@ NEEDS = {
     "CHOLMOD": (".ci/find-cholmod", "libsuitesparse-dev libopenblas0-pthread"),
     "Slurm": ("command -v sbatch && test $(id -u) = 0", "slurm-wlm, as root"),
     "Chromium": ("command -v chromium || command -v chromium-browser || command -v google-chrome", "chromium npm"),
+    "emscripten": ("command -v em++", "emscripten"),
     "models": ("ls /usr/share/opencascade/data/*/*.brep /usr/share/doc/gmsh-doc/doc/gmsh/demos/*/*.st*p.gz",
                "occt-misc gmsh-doc"),
 }
@@ -117,6 +118,8 @@ TARGETS = [
     Target("defaults", settings=["ONLY=grown"]),
     Target("page", needs=["npm"], settings=["DECK=inputs/circle.deck"]),
     Target("test-page", "minutes", needs=["npm", "Chromium"]),
+    Target("wasm", "minutes", needs=["npm", "emscripten"]),
+    Target("test-wasm", "minutes", needs=["npm", "emscripten", "Chromium"]),
     Target("quality", settings=["RESULTS=outputs/square"], needs=["matplotlib"],
            before="./almesh improve inputs/meshes/square.msh"),
     Target("animation", needs=["matplotlib", "pillow"], settings=["RESULTS=outputs/square"],
