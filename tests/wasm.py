@@ -139,6 +139,7 @@ def check_errors(app, arguments, folder):
     sentence = said.strip().removeprefix("almesh: ").replace(str(folder) + "/", "")
     check(app.state() == sentence, f"a broken mesh: `{app.state()}`, the program says `{sentence}`")
     check(app.value("document.getElementById('form').hidden"), "a broken mesh can be moved")
+    check(app.viewer("d.querySelector('canvas') === null"), "a broken mesh: another one is shown")
 
 
 def check_cancel(app):

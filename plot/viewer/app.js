@@ -44,8 +44,11 @@ function answer({progress, error, isLost, saved, mesh}) {
   }
   setBusy("");
   if (error) say(error, false);
-  if (error && doing === "reading") $("form").hidden = true;
-  else if (isLost && doing !== "reading again") again();
+  if (error && doing === "reading") {
+    $("form").hidden = true;
+    $("viewer").replaceWith(Object.assign($("viewer").cloneNode(), {srcdoc: ""}));
+  }
+  if (isLost && (doing === "moving" || doing === "improving")) again();
   else if (isLost) start();
   if (saved) Object.assign(document.createElement("a"),
     {href: URL.createObjectURL(new Blob([saved])), download: savedName()}).click();
