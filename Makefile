@@ -483,7 +483,7 @@ $(BUILD)/almesh.js: $(LIBRARY) $(BUILD)/plot/viewer/faces.o
 	  -sSINGLE_FILE -sALLOW_MEMORY_GROWTH -sMAXIMUM_MEMORY=4GB -sTOTAL_STACK=8MB -sALLOW_TABLE_GROWTH \
 	  -sEXPORTED_FUNCTIONS=$(ENTRIES) -sEXPORTED_RUNTIME_METHODS=FS,ccall,addFunction,UTF8ToString
 
-test-wasm: wasm $(BUILD)/almesh ##check use that page in a headless Chromium: the program's bits, errors, cancel (emscripten, chromium, npm)
+test-wasm: wasm $(BUILD)/almesh ##check use that page in a headless Chromium: the program's meshes, errors, cancel (emscripten, chromium, npm)
 	tests/wasm.py --build $(BUILD) outputs/almesh.html
 
 quality: ##compare the quality of elements before and after almesh improve, drawn (RESULTS=outputs/tangled; matplotlib)
