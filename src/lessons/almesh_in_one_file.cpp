@@ -1,25 +1,26 @@
 // The method of the paper in one file, to be read from top to bottom: triangles of degree 1 in the plane, nothing but
 // the standard library. The numbers of equations, lines and sections are the paper's, read as src/README.md says.
 //
-//   almesh_in_one_file MESH.msh [BOUNDARY translate DX DY | BOUNDARY rotate A ...]     A in degrees
+//   g++ -std=c++20 -O2 src/lessons/almesh_in_one_file.cpp -o one-file
+//   ./one-file MESH.msh [BOUNDARY translate DX DY | BOUNDARY rotate A ...]     A in degrees
 //
-// reads a mesh (MSH 2.2, text), moves the boundaries that are named and keeps the others, proves that no triangle is
-// inverted, and writes outputs/lessons/one-file.vtk. The map phi takes the mesh that is read, y, to the moved one, x:
+// reads a mesh (MSH 2.2 or 4.1, text), moves the boundaries that are named and keeps the others, proves that no
+// triangle is inverted and no two overlap, and writes outputs/lessons/one-file.vtk. Exit code 0: proved, 4: not proved,
+// 2: the mesh is refused, or there is no result. The map phi takes the mesh that is read, y, to the moved one, x:
 //
-//     minimise  int eta(D phi)^2 dy   subject to  phi = g_D on the boundary                                   (Eq. 5)
+//     minimise  int (eta(D phi) - 1)^2 dy   subject to  phi = g_D on the boundary                             (Eq. 5)
 //
-// over the positions x of all nodes. Parts: 1 the mesh, 2 the distortion, 3 the constraint, 4 the augmented Lagrangian
-// and its derivatives, 5 linear systems, 6 Newton's method, 7 Algorithm 1, 8 the certificate, 9 results.
+// over the positions x of all nodes; here with eta^2 in place of (eta - 1)^2, as the paper's tables were made. The mesh
+// file and the command line are read at the end, in part 10.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <limits>
+#include <iomanip>
 #include <map>
 #include <numbers>
-#include <set>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -28,8 +29,6 @@
 using Point = std::array<double, 2>;
 using Matrix = std::array<Point, 2>;   // F[i][j]: row i, column j
 using Vector = std::vector<double>;    // of the nodes: x_0, y_0, x_1, y_1, ...
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 double dot(const Vector& a, const Vector& b) {
     double sum = 0;
@@ -40,107 +39,80 @@ double dot(const Vector& a, const Vector& b) {
 // ---------------------------------------------------------------------------------------------------- 1 the mesh
 
 struct Triangle {
+    int id;                   // in the file
     std::array<int, 3> node;  // counter-clockwise
     double area = 0;          // |e|, of the ideal triangle
     Point grad[3] = {};       // of the hat functions N_i on it
 };
 
 struct Edge {
-    int node[2];
+    int node[2];  // its triangle is to the left of the way from the first to the second
+    std::size_t triangle;
     std::string boundary;  // its name
 };
 
 struct Mesh {
-    Vector y;  // the nodes of the ideal mesh
+    Vector y;             // the nodes of the ideal mesh
+    std::vector<int> id;  // of the nodes, in the file
     std::vector<Triangle> triangles;
     std::vector<Edge> edges;  // of the boundary
-    int nodes() const { return static_cast<int>(y.size() / 2); }
+    int nodes() const { return static_cast<int>(id.size()); }
 };
 
 [[noreturn]] void fail(const std::string& what) { throw std::runtime_error(what); }
 
 double determinant(const Matrix& A) { return A[0][0] * A[1][1] - A[0][1] * A[1][0]; }
 
-// The edges from the first vertex as columns.
-Matrix edge_matrix(const Triangle& t, const Vector& x) {
-    Matrix A;
-    for (int i = 0; i < 2; ++i)
-        for (int k = 0; k < 2; ++k) A[i][k] = x[2 * t.node[k + 1] + i] - x[2 * t.node[0] + i];
-    return A;
+Point at(const Vector& x, int i) { return {x[2 * i], x[2 * i + 1]}; }
+
+// 1 if p, q, r are counter-clockwise, -1 if clockwise, 0 where rounding leaves that open. Differences and products in
+// the determinant are rounded, each by a part 2^-53 at most: it is off by less than 8 such parts of the sum of its
+// terms' magnitudes; twice that is asked for.
+int turn(const Point& p, const Point& q, const Point& r) {
+    const Matrix A = {{{q[0] - p[0], r[0] - p[0]}, {q[1] - p[1], r[1] - p[1]}}};
+    const double most = 16 * std::exp2(-53) * (std::abs(A[0][0] * A[1][1]) + std::abs(A[0][1] * A[1][0]));
+    return determinant(A) > most ? 1 : determinant(A) < -most ? -1 : 0;
 }
+
+std::string name(const Triangle& t) { return "triangle " + std::to_string(t.id); }
 
 // grad N_1 and grad N_2 are the rows of A^{-1}; the three add up to zero.
 void set_shape(Triangle& t, const Vector& y) {
-    Matrix A = edge_matrix(t, y);
-    if (determinant(A) < 0) {
-        std::swap(t.node[1], t.node[2]);
-        A = edge_matrix(t, y);
-    }
+    const Point p = at(y, t.node[0]), q = at(y, t.node[1]), r = at(y, t.node[2]);
+    if (turn(p, q, r) == 0) fail(name(t) + " has no area");
+    if (turn(p, q, r) < 0)
+        fail(name(t) + " is clockwise: exchange two of its nodes in the file, or, if its neighbours are not, move the "
+                       "node back that has been pushed through an edge of it");
+    const Matrix A = {{{q[0] - p[0], r[0] - p[0]}, {q[1] - p[1], r[1] - p[1]}}};  // edges as columns
     const double det = determinant(A);
-    if (!(det > 0)) fail("a triangle of the mesh has no area");
     t.area = det / 2;
     t.grad[1] = {A[1][1] / det, -A[0][1] / det};
     t.grad[2] = {-A[1][0] / det, A[0][0] / det};
     t.grad[0] = {-t.grad[1][0] - t.grad[2][0], -t.grad[1][1] - t.grad[2][1]};
 }
 
-template <class Number>
-Number next(std::istream& in) {
-    Number value{};
-    if (!(in >> value)) fail("the mesh file ends, or has no number, where one is due");
-    return value;
-}
+using Pair = std::pair<int, int>;
 
-void read_names(std::istream& in, std::map<int, std::string>& names) {
-    for (int left = next<int>(in); left > 0; --left) {
-        const int dimension = next<int>(in), tag = next<int>(in);
-        const std::string name = next<std::string>(in);  // in quotation marks
-        if (dimension == 1 && name.size() > 2) names[tag] = name.substr(1, name.size() - 2);
-    }
-}
-
-void read_nodes(std::istream& in, Mesh& mesh, std::map<int, int>& number) {
-    const int count = next<int>(in);
-    for (int i = 0; i < count; ++i) {
-        number[next<int>(in)] = i;
-        for (int a = 0; a < 2; ++a) mesh.y.push_back(next<double>(in));
-        next<double>(in);  // z
-    }
-}
-
-// Types 1 and 2 are edges and triangles of degree 1; of their tags the first is the physical group.
-void read_elements(std::istream& in, Mesh& mesh, std::map<int, int>& number, std::map<int, std::string>& names) {
-    for (int left = next<int>(in); left > 0; --left) {
-        next<int>(in);
-        const int type = next<int>(in), tags = next<int>(in), group = next<int>(in);
-        for (int t = 1; t < tags; ++t) next<int>(in);
-        const auto node = [&] { return number.at(next<int>(in)); };
-        if (type == 1) {
-            const int a = node(), b = node();
-            mesh.edges.push_back({{a, b}, names.contains(group) ? names[group] : std::to_string(group)});
-        } else if (type == 2) {
-            const int a = node(), b = node(), c = node();
-            mesh.triangles.push_back({.node = {a, b, c}});
-        } else {
-            fail("the mesh has elements of type " + std::to_string(type) + ", not triangles of degree 1 alone");
+// Two neighbours have their edge in opposite directions, as both have it on their left. An edge without an opposite is
+// on the boundary, and has to be in a group, or nothing would hold it. group: by the ids of the nodes, the lower first.
+void set_boundary(Mesh& mesh, const std::map<Pair, std::string>& group) {
+    std::map<Pair, std::size_t> left;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+        for (int k = 0; k < 3; ++k) {
+            const std::array<int, 3>& node = mesh.triangles[t].node;
+            const auto [first, is_first] = left.insert({{node[k], node[(k + 1) % 3]}, t});
+            if (!is_first)
+                fail(name(mesh.triangles[t]) + " lies on the same side of an edge as " +
+                     name(mesh.triangles[first->second]) + ": the mesh folds over itself there");
         }
+    for (const auto& [edge, t] : left) {
+        if (left.contains({edge.second, edge.first})) continue;
+        const auto [a, b] = Pair(std::minmax(mesh.id[edge.first], mesh.id[edge.second]));
+        if (!group.contains({a, b}))
+            fail("the edge from node " + std::to_string(a) + " to node " + std::to_string(b) +
+                 " is on the boundary and in no physical group, so nothing holds it: put it into one");
+        mesh.edges.push_back({{edge.first, edge.second}, t, group.at({a, b})});
     }
-}
-
-Mesh read_mesh(const std::string& path) {
-    std::ifstream in(path);
-    if (!in) fail("cannot read " + path);
-    Mesh mesh;
-    std::map<int, int> number;          // of a node in the file: its place here
-    std::map<int, std::string> names;   // of the physical groups of edges
-    for (std::string word; in >> word;) {
-        if (word == "$PhysicalNames") read_names(in, names);
-        if (word == "$Nodes") read_nodes(in, mesh, number);
-        if (word == "$Elements") read_elements(in, mesh, number, names);
-    }
-    if (mesh.triangles.empty() || mesh.edges.empty()) fail(path + " has no triangles or no edges of a boundary");
-    for (Triangle& t : mesh.triangles) set_shape(t, mesh.y);
-    return mesh;
 }
 
 // ---------------------------------------------------------------------------------------------- 2 the distortion
@@ -158,7 +130,7 @@ Matrix jacobian(const Triangle& t, const Vector& x) {
 double eta(const Matrix& F) {
     const double S = F[0][0] * F[0][0] + F[0][1] * F[0][1] + F[1][0] * F[1][0] + F[1][1] * F[1][1];
     const double D = determinant(F);
-    return D > 0 ? S / (2 * D) : infinity;
+    return D > 0 ? S / (2 * D) : INFINITY;
 }
 
 // C = dD/dF
@@ -200,18 +172,16 @@ void rotate(Matrix4& A, Matrix4& V, int p, int q) {
     const double theta = (A[q][q] - A[p][p]) / (2 * A[p][q]);
     const double t = (theta < 0 ? -1 : 1) / (std::abs(theta) + std::hypot(theta, 1));
     const double c = 1 / std::hypot(t, 1), s = t * c;
+    const auto mix = [c, s](double& a, double& b) {
+        const double old = a;
+        a = c * old - s * b;
+        b = s * old + c * b;
+    };
     for (int k = 0; k < 4; ++k) {
-        const double Akp = A[k][p], Vkp = V[k][p];
-        A[k][p] = c * Akp - s * A[k][q];
-        A[k][q] = s * Akp + c * A[k][q];
-        V[k][p] = c * Vkp - s * V[k][q];
-        V[k][q] = s * Vkp + c * V[k][q];
+        mix(A[k][p], A[k][q]);
+        mix(V[k][p], V[k][q]);
     }
-    for (int k = 0; k < 4; ++k) {
-        const double Apk = A[p][k];
-        A[p][k] = c * Apk - s * A[q][k];
-        A[q][k] = s * Apk + c * A[q][k];
-    }
+    for (int k = 0; k < 4; ++k) mix(A[p][k], A[q][k]);
 }
 
 // The positive semidefinite part: the same eigenvectors, negative eigenvalues set to 0.
@@ -230,17 +200,16 @@ Matrix4 positive_part(Matrix4 A) {
 // ---------------------------------------------------------------------------------------------- 3 the constraint
 
 // c_D = (x - g) / |1| at the nodes of the boundary, measured in (u, v) = sum over edges of int u.v / h. An edge of any
-// length adds (2 1; 1 2)/6 to the mass matrix M of this product, and 1 to |1|^2.
+// length adds (2 1; 1 2)/6 to the mass matrix M of this product, and 1 to |1|^2. M is zero at all other nodes, so what
+// x - g is there does not count.
 struct Constraint {
     std::vector<Edge> edges;
-    Vector g;              // targets; only those of boundary nodes are used
-    std::vector<int> on;   // the boundary nodes
+    Vector g;  // the targets
     double one() const { return std::sqrt(static_cast<double>(edges.size())); }
 
     Vector c(const Vector& x) const {
-        Vector result(x.size(), 0.0);
-        for (const int i : on)
-            for (int a = 0; a < 2; ++a) result[2 * i + a] = (x[2 * i + a] - g[2 * i + a]) / one();
+        Vector result(x.size());
+        for (std::size_t i = 0; i < x.size(); ++i) result[i] = (x[i] - g[i]) / one();
         return result;
     }
     // M u
@@ -257,41 +226,14 @@ struct Constraint {
     double product(const Vector& u, const Vector& v) const { return dot(u, mass_times(v)); }
 };
 
-struct Motion {
-    bool turns;
-    double angle, dx, dy;
-};
-
-Point moved(const Motion& m, Point p) {
-    if (!m.turns) return {p[0] + m.dx, p[1] + m.dy};
-    return {std::cos(m.angle) * p[0] - std::sin(m.angle) * p[1], std::sin(m.angle) * p[0] + std::cos(m.angle) * p[1]};
-}
-
-Constraint make_constraint(const Mesh& mesh, const std::map<std::string, Motion>& motions) {
-    Constraint constraint{mesh.edges, mesh.y, {}};
-    std::set<int> on;
-    for (const Edge& edge : mesh.edges)
-        for (const int i : edge.node) {
-            on.insert(i);
-            const auto motion = motions.find(edge.boundary);
-            if (motion == motions.end()) continue;
-            const Point p = moved(motion->second, {mesh.y[2 * i], mesh.y[2 * i + 1]});
-            for (int a = 0; a < 2; ++a) constraint.g[2 * i + a] = p[a];
-        }
-    constraint.on.assign(on.begin(), on.end());
-    return constraint;
-}
-
 // ------------------------------------------------------------------- 4 the augmented Lagrangian and its derivatives
 
-// A symmetric matrix, of row i the entries from the first that is not zero up to the diagonal. Cholesky's factor has
-// the same shape.
-struct Envelope {
-    std::vector<int> place;   // of an unknown: its row
-    std::vector<int> first;   // column of a row
-    std::vector<Vector> row;
-    double& at(int i, int j) { return i >= j ? row[i][j - first[i]] : row[j][i - first[j]]; }
-};
+// g_i += factor P grad N_i: a change dF of F changes a sum over triangles by P : dF
+void add(const Triangle& t, const Matrix& P, double factor, Vector& g) {
+    for (int i = 0; i < 3; ++i)
+        for (int a = 0; a < 2; ++a)
+            for (int k = 0; k < 2; ++k) g[2 * t.node[i] + a] += factor * P[a][k] * t.grad[i][k];
+}
 
 // Eq. 6 as it must be read: E(x) = int eta^2 - (lambda, c_D) + mu/2 |c_D|^2.
 struct AugmentedLagrangian {
@@ -316,175 +258,89 @@ struct AugmentedLagrangian {
         for (std::size_t i = 0; i < u.size(); ++i) u[i] = (mu * u[i] - lambda[i]) / constraint.one();
         Vector g = constraint.mass_times(u);
         for (const Triangle& t : mesh.triangles) {
-            const Matrix F = jacobian(t, x), G = eta_F(F);
-            const double factor = 2 * t.area * eta(F);
-            for (int i = 0; i < 3; ++i)
-                for (int a = 0; a < 2; ++a)
-                    for (int k = 0; k < 2; ++k) g[2 * t.node[i] + a] += factor * G[a][k] * t.grad[i][k];
+            const Matrix F = jacobian(t, x);
+            add(t, eta_F(F), 2 * t.area * eta(F), g);
         }
         return g;
     }
 
-    void hessian(const Vector& x, bool projected, Envelope& H) const {
-        for (Vector& row : H.row) std::fill(row.begin(), row.end(), 0.0);
-        for (const Triangle& t : mesh.triangles) {
-            Matrix4 A = second_derivative(jacobian(t, x));
-            if (projected) A = positive_part(A);
-            for (int r = 0; r < 6; ++r)
-                for (int s = 0; s < 6; ++s) {
-                    const int i = r / 2, a = r % 2, j = s / 2, b = s % 2;
-                    const int row = H.place[2 * t.node[i] + a], column = H.place[2 * t.node[j] + b];
-                    if (row < column) continue;
-                    for (int k = 0; k < 2; ++k)
-                        for (int l = 0; l < 2; ++l)
-                            H.at(row, column) += t.area * t.grad[i][k] * A[2 * a + k][2 * b + l] * t.grad[j][l];
-                }
+    // of a triangle: the second derivative by F, as it is or projected
+    std::vector<Matrix4> hessian(const Vector& x, bool projected) const {
+        std::vector<Matrix4> A;
+        for (const Triangle& t : mesh.triangles) A.push_back(second_derivative(jacobian(t, x)));
+        if (projected) std::transform(A.begin(), A.end(), A.begin(), positive_part);
+        return A;
+    }
+
+    // H v, of a triangle: |e| (A dF) grad N_i, dF that of v; of the boundary: mu M v / |1|^2
+    Vector hessian_times(const std::vector<Matrix4>& A, const Vector& v) const {
+        Vector Hv = constraint.mass_times(v);
+        for (double& entry : Hv) entry *= mu / (constraint.one() * constraint.one());
+        for (std::size_t e = 0; e < A.size(); ++e) {
+            const Matrix dF = jacobian(mesh.triangles[e], v);
+            Matrix P{};
+            for (int r = 0; r < 4; ++r)
+                for (int s = 0; s < 4; ++s) P[r / 2][r % 2] += A[e][r][s] * dF[s / 2][s % 2];
+            add(mesh.triangles[e], P, mesh.triangles[e].area, Hv);
         }
-        const double factor = mu / (constraint.one() * constraint.one());
-        for (const Edge& e : constraint.edges)  // mu M / |1|^2
-            for (int a = 0; a < 2; ++a) {
-                const int i = H.place[2 * e.node[0] + a], j = H.place[2 * e.node[1] + a];
-                H.at(i, i) += factor * 2 / 6;
-                H.at(j, j) += factor * 2 / 6;
-                H.at(i, j) += factor / 6;
-            }
+        return Hv;
     }
 };
 
 // -------------------------------------------------------------------------------------------- 5 linear systems
 
-// Nodes in the order of Cuthill and McKee, reversed: breadth first from a node of the boundary, neighbours with few
-// neighbours first. It keeps the first entry of a row near the diagonal.
-std::vector<int> narrow_order(const Mesh& mesh) {
-    std::vector<std::set<int>> neighbours(mesh.nodes());
-    for (const Triangle& t : mesh.triangles)
-        for (const int i : t.node) neighbours[i].insert(t.node.begin(), t.node.end());
-    std::vector<int> order;
-    std::vector<char> seen(mesh.nodes(), 0);
-    const auto visit = [&](int i) {
-        if (!seen[i]) order.push_back(i);
-        seen[i] = 1;
-    };
-    for (int start = -1, done = 0; start < mesh.nodes(); ++start) {  // -1: the boundary; more: where parts are apart
-        visit(start < 0 ? mesh.edges[0].node[0] : start);
-        for (; done < static_cast<int>(order.size()); ++done) {
-            std::vector<int> near(neighbours[order[done]].begin(), neighbours[order[done]].end());
-            std::stable_sort(near.begin(), near.end(),
-                             [&](int a, int b) { return neighbours[a].size() < neighbours[b].size(); });
-            for (const int i : near) visit(i);
-        }
-    }
-    std::reverse(order.begin(), order.end());
-    return order;
-}
-
-Envelope make_envelope(const Mesh& mesh) {
-    Envelope H;
-    H.place.resize(mesh.y.size());
-    const std::vector<int> order = narrow_order(mesh);
-    for (int k = 0; k < mesh.nodes(); ++k)
-        for (int a = 0; a < 2; ++a) H.place[2 * order[k] + a] = 2 * k + a;
-    H.first.resize(mesh.y.size());
-    for (std::size_t i = 0; i < H.first.size(); ++i) H.first[i] = static_cast<int>(i);
-    for (const Triangle& t : mesh.triangles)
-        for (const int i : t.node)
-            for (const int j : t.node)
-                for (int a = 0; a < 2; ++a) {
-                    int& first = H.first[H.place[2 * i + a]];
-                    first = std::min(first, H.place[2 * j]);
-                }
-    for (std::size_t i = 0; i < H.first.size(); ++i) H.row.emplace_back(i + 1 - H.first[i]);
-    return H;
-}
-
-// H = L L^T, L in place of H, row by row: L_ij = (H_ij - sum_k<j L_ik L_jk) / L_jj. False where H is not positive
+// Conjugate gradients for H d = b. False where a direction p with p.Hp <= 0 turns up, so that H is not positive
 // definite: then the direction of Newton's method need not be one of descent.
-bool factor(Envelope& H) {
-    const int n = static_cast<int>(H.row.size());
-    for (int i = 0; i < n; ++i)
-        for (int j = H.first[i]; j <= i; ++j) {
-            double sum = H.at(i, j);
-            for (int k = std::max(H.first[i], H.first[j]); k < j; ++k) sum -= H.at(i, k) * H.at(j, k);
-            if (i == j && !(sum > 0)) return false;
-            H.at(i, j) = i == j ? std::sqrt(sum) : sum / H.at(j, j);
+bool solve(const AugmentedLagrangian& L, const std::vector<Matrix4>& A, const Vector& b, Vector& d) {
+    d.assign(b.size(), 0.0);
+    Vector r = b, p = b;
+    double r_squared = dot(r, r);
+    for (std::size_t k = 0; k < 20 * b.size() && r_squared > 1e-24 * dot(b, b); ++k) {
+        const Vector Hp = L.hessian_times(A, p);
+        const double curvature = dot(p, Hp), t = r_squared / curvature, before = r_squared;
+        if (!(curvature > 0)) return false;
+        for (std::size_t i = 0; i < b.size(); ++i) {
+            d[i] += t * p[i];
+            r[i] -= t * Hp[i];
         }
+        r_squared = dot(r, r);
+        for (std::size_t i = 0; i < b.size(); ++i) p[i] = r[i] + r_squared / before * p[i];
+    }
     return true;
-}
-
-// x with L L^T x = b: L z = b from the first row to the last, L^T x = z back.
-Vector solve(Envelope& L, const Vector& b) {
-    const int n = static_cast<int>(L.row.size());
-    Vector z(n), x(n);
-    for (int i = 0; i < n; ++i) z[L.place[i]] = b[i];
-    for (int i = 0; i < n; ++i) {
-        for (int k = L.first[i]; k < i; ++k) z[i] -= L.at(i, k) * z[k];
-        z[i] /= L.at(i, i);
-    }
-    for (int i = n - 1; i >= 0; --i) {
-        z[i] /= L.at(i, i);
-        for (int k = L.first[i]; k < i; ++k) z[k] -= L.at(i, k) * z[i];
-    }
-    for (int i = 0; i < n; ++i) x[i] = z[L.place[i]];
-    return x;
 }
 
 // ------------------------------------------------------------------------------------------- 6 Newton's method
 
-// Whether a triangle keeps its orientation all the way from x to x + d. Its determinant is a quadratic of the part t of
-// the way, with the Bezier coefficients b_0, b_1, b_2 (b_1 from the product rule); q(t) > 0 on [0, 1] exactly if the
-// ends are positive and b_1 > -sqrt(b_0 b_2).
-bool valid_on_the_way(const Triangle& t, const Vector& x, const Vector& end) {
-    const Matrix A = edge_matrix(t, x), B = edge_matrix(t, end);
-    const double b_0 = determinant(A), b_2 = determinant(B);
-    const double b_1 = (A[0][0] * B[1][1] + B[0][0] * A[1][1] - A[0][1] * B[1][0] - B[0][1] * A[1][0]) / 2;
-    return b_0 > 0 && b_2 > 0 && (b_1 > 0 || b_1 * b_1 < b_0 * b_2);
-}
-
-// x <- x + t d with the first t of 1, 1/2, 1/4, ... that inverts no triangle on the way and satisfies Armijo's
-// condition, the first of Wolfe's, up to the rounding of the sums. False where there is none.
-bool line_search(const AugmentedLagrangian& L, const Vector& d, double slope, double E, Vector& x) {
-    for (double t = 1; t > 1e-14; t /= 2) {
-        Vector trial = x;
-        for (std::size_t i = 0; i < x.size(); ++i) trial[i] += t * d[i];
-        const bool lower = L.value(trial) <= E + 1e-4 * t * slope + 1e-14 * std::abs(E);
-        const auto valid = [&](const Triangle& e) { return valid_on_the_way(e, x, trial); };
-        if (!lower || !std::all_of(L.mesh.triangles.begin(), L.mesh.triangles.end(), valid)) continue;
-        x = std::move(trial);
-        return true;
-    }
-    return false;
-}
-
-// The direction H d = -g with the full Hessian; where that is not positive definite, or leads nowhere, with its
-// projection, triangle by triangle, onto the positive semidefinite matrices.
-bool newton_step(const AugmentedLagrangian& L, const Vector& g, Envelope& H, Vector& x) {
+// x <- x - t d with H d = g and the first t of 1, 1/2, 1/4, ... that satisfies Armijo's condition, the first of
+// Wolfe's, up to the rounding of the sums: where a triangle is inverted the energy is infinite, and t is refused. H is
+// the full Hessian; where that is not positive definite, or leads nowhere, its projection, triangle by triangle.
+bool newton_step(const AugmentedLagrangian& L, const Vector& g, Vector& x) {
     const double E = L.value(x);
     for (const bool projected : {false, true}) {
-        L.hessian(x, projected, H);
-        if (!factor(H)) continue;
-        Vector d = solve(H, g);
-        for (double& entry : d) entry = -entry;
-        const double slope = dot(g, d);
-        if (slope < 0 && line_search(L, d, slope, E, x)) return true;
+        Vector d, trial(x.size());
+        if (!solve(L, L.hessian(x, projected), g, d)) continue;
+        const double slope = -dot(g, d);
+        for (double t = 1; slope < 0 && t > 1e-14; t /= 2) {
+            for (std::size_t i = 0; i < x.size(); ++i) trial[i] = x[i] - t * d[i];
+            if (!(L.value(trial) <= E + 1e-4 * t * slope + 1e-14 * std::abs(E))) continue;
+            x = trial;
+            return true;
+        }
     }
     return false;
 }
 
 // Until |grad E| <= omega; the number of steps. gradient_norm: at the end.
-int minimise(const AugmentedLagrangian& L, double omega, Envelope& H, Vector& x, double& gradient_norm) {
+int minimise(const AugmentedLagrangian& L, double omega, Vector& x, double& gradient_norm) {
     for (int steps = 0;; ++steps) {
         const Vector g = L.gradient(x);
         gradient_norm = std::sqrt(dot(g, g));
         if (gradient_norm <= omega) return steps;
-        if (steps == 200 || !newton_step(L, g, H, x)) fail("Newton's method finds no step that lowers the energy");
+        if (steps == 200 || !newton_step(L, g, x)) fail("Newton's method finds no step that lowers the energy");
     }
 }
 
 // ---------------------------------------------------------------------------------------------- 7 Algorithm 1
-
-struct Settings {  // of inputs/circle.deck; mu0 in units of |1|^2
-    double mu0 = 24, omega0 = 0.1, epsilon0 = 1e-4, omega_star = 1e-6, epsilon_star = 1e-14;
-};
 
 // With the quality q = |1| / |eta| in L2 of the ideal mesh.
 void print_row(const Mesh& mesh, const Vector& x, int k, double c, double g, double mu, const char* update, int steps) {
@@ -495,23 +351,23 @@ void print_row(const Mesh& mesh, const Vector& x, int k, double c, double g, dou
         squared += t.area * e * e;
         largest = std::max(largest, e);
     }
-    const double q = std::sqrt(area / squared);
-    std::printf("%3d  %9.3e  %9.2e  %.10f  %.8f  %8.2e  %-6s  %6d\n", k, c, g, q, largest, mu, update, steps);
+    std::printf("%3d  %9.3e  %9.2e  %.10f  %.8f  %8.2e  %-6s  %6d\n", k, c, g, std::sqrt(area / squared), largest, mu,
+                update, steps);
 }
 
-Vector algorithm_1(const Mesh& mesh, const Constraint& constraint, const Settings& s) {
+Vector algorithm_1(const Mesh& mesh, const Constraint& constraint) {
+    // of inputs/circle.deck, mu0 in units of |1|^2
+    const double mu0 = 24 * constraint.one() * constraint.one(), omega0 = 0.1, epsilon0 = 1e-4;
+    const double omega_star = 1e-6, epsilon_star = 1e-14, m0 = 10;
     Vector x = mesh.y;                                                          // 1-2: phi is the identity
     AugmentedLagrangian L{mesh, constraint, Vector(x.size(), 0.0)};             // 3: lambda = 0
-    Envelope H = make_envelope(mesh);
-    constexpr double m0 = 10;
-    const double mu0 = s.mu0 * constraint.one() * constraint.one();
-    double m = m0, omega = s.omega0, epsilon = s.epsilon0;                      // 4-6
+    double m = m0, omega = omega0, epsilon = epsilon0;                          // 4-6
     L.mu = mu0;
     std::printf(" AL      |c_D|   |grad E|             q     max eta        mu  update  Newton\n");
     for (int k = 1; k <= 50; ++k) {                                             // 7
         double gradient_norm = 0;
         const double mu = L.mu;
-        const int steps = minimise(L, std::max(omega, s.omega_star), H, x, gradient_norm);  // 8
+        const int steps = minimise(L, std::max(omega, omega_star), x, gradient_norm);  // 8
         const Vector c = constraint.c(x);
         const double c_squared = constraint.product(c, c);
         const bool updates = c_squared <= epsilon;                              // 9
@@ -522,25 +378,42 @@ Vector algorithm_1(const Mesh& mesh, const Constraint& constraint, const Setting
         } else {                                                                // 15-16
             m *= 100;                                                           // 17
             L.mu = mu0 * (m / m0);                                              // 18
-            epsilon = s.epsilon0 / std::pow(m / m0, 0.1);                       // 19
-            omega = s.omega0 / (m / m0);                                        // 20
+            epsilon = epsilon0 / std::pow(m / m0, 0.1);                         // 19
+            omega = omega0 / (m / m0);                                          // 20
         }                                                                       // 21
-        const bool ends = c_squared <= s.epsilon_star && gradient_norm <= s.omega_star;
         print_row(mesh, x, k, std::sqrt(c_squared), gradient_norm, mu, updates ? "lambda" : "mu", steps);
-        if (ends) return x;
+        if (c_squared <= epsilon_star && gradient_norm <= omega_star) return x;
     }                                                                           // 22
     fail("the constraint does not hold after 50 iterations");
 }
 
 // -------------------------------------------------------------------------------------------- 8 the certificate
 
-// Whether det > 0 is proved for every triangle. Differences and products in a determinant are rounded, each by a part
-// 2^-53 at most: it is off by less than 8 such parts of the sum of its terms' magnitudes; twice that is asked for.
+// Whether a triangle and the edge from a to b of the boundary, which is another one's, are proved to have no more in
+// common than a corner, or a side of both from either side: a side of the triangle, or the edge, parts them.
+bool apart(const std::array<Point, 3>& corner, const Point& a, const Point& b) {
+    bool all_left = true, all_right = true;
+    for (int k = 0; k < 3; ++k) {
+        const Point &p = corner[k], &q = corner[(k + 1) % 3];
+        if (p == a && q == b) return false;
+        const auto outside = [&](const Point& c) { return c == p || c == q || turn(p, q, c) < 0; };
+        if (outside(a) && outside(b)) return true;
+        all_left = all_left && (p == a || p == b || turn(a, b, p) > 0);
+        all_right = all_right && (p == a || p == b || turn(a, b, p) < 0);
+    }
+    return all_left || all_right;
+}
+
+// Whether it is proved that no triangle is inverted and no two overlap. The first alone is not enough: a strip can
+// cover a ring twice. Where no triangle is inverted, the number of them over a point changes across edges of the
+// boundary only; where it is 2 or more, such an edge ends it, and another triangle than its own lies over the edge.
 bool certified(const Mesh& mesh, const Vector& x) {
-    for (const Triangle& t : mesh.triangles) {
-        const Matrix A = edge_matrix(t, x);
-        const double terms = std::abs(A[0][0] * A[1][1]) + std::abs(A[0][1] * A[1][0]);
-        if (!(determinant(A) > 16 * std::exp2(-53) * terms)) return false;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        const auto& [i, j, k] = mesh.triangles[t].node;
+        const std::array<Point, 3> corner = {at(x, i), at(x, j), at(x, k)};
+        if (turn(corner[0], corner[1], corner[2]) <= 0) return false;
+        for (const Edge& e : mesh.edges)
+            if (e.triangle != t && !apart(corner, at(x, e.node[0]), at(x, e.node[1]))) return false;
     }
     return true;
 }
@@ -559,40 +432,167 @@ void write_vtk(const std::string& path, const Mesh& mesh, const Vector& x) {
     for (const Triangle& t : mesh.triangles) out << "3 " << t.node[0] << ' ' << t.node[1] << ' ' << t.node[2] << '\n';
     out << "CELL_TYPES " << count << '\n';
     for (std::size_t e = 0; e < count; ++e) out << "5\n";
-    out << "CELL_DATA " << count << "\nSCALARS eta double 1\nLOOKUP_TABLE default\n";
-    for (const Triangle& t : mesh.triangles) out << eta(jacobian(t, x)) << '\n';
     if (!out.flush()) fail("cannot write " + path);
 }
 
-std::map<std::string, Motion> motions_of(const std::vector<std::string>& words, const Mesh& mesh) {
-    std::map<std::string, Motion> motions;
-    for (std::size_t i = 0; i < words.size();) {
-        const std::string name = words[i], kind = i + 1 < words.size() ? words[i + 1] : "";
-        const auto is_it = [&](const Edge& edge) { return edge.boundary == name; };
-        if (std::none_of(mesh.edges.begin(), mesh.edges.end(), is_it)) fail("the mesh has no boundary " + name);
-        const std::size_t numbers = kind == "translate" ? 2 : kind == "rotate" ? 1 : 0;
-        if (numbers == 0 || i + 2 + numbers > words.size()) fail(name + ": translate DX DY or rotate A is due");
-        const double a = std::stod(words[i + 2]), b = numbers == 2 ? std::stod(words[i + 3]) : 0;
-        motions[name] = {kind == "rotate", a * std::numbers::pi / 180, a, b};
-        i += 2 + numbers;
+// ------------------------------------------------------------------------- 10 the mesh file and the command line
+
+// Version 2.2 has one list of nodes and one of elements, with their groups; 4.1 has them in blocks, one for each entity
+// (a point, curve or surface of the drawing), and the groups are the entities'.
+struct MeshFile {
+    std::ifstream in;
+    bool has_blocks = false;
+    std::map<int, std::string> names;   // of the physical groups of edges
+    std::map<Pair, int> physical;       // of dimension and tag of an entity: its group, 0 for none
+    std::map<int, Point> point;         // of a node's id
+    std::map<int, int> number;          // of the id of a node that a triangle has: its place in the mesh
+    std::map<Pair, std::string> group;  // of an edge, by the ids of its nodes
+    Mesh mesh;
+
+    template <class Number = int>
+    Number next() {
+        Number value{};
+        if (!(in >> value)) fail("the mesh file ends, or has no number, where one is due");
+        return value;
     }
-    return motions;
+    void skip(int numbers) { while (numbers-- > 0) next<double>(); }
+    void read_format() {
+        const std::string version = next<std::string>();
+        has_blocks = version == "4.1";
+        if ((version != "2.2" && !has_blocks) || next() != 0)
+            fail("MSH 2.2 and 4.1 as text are read, not version " + version + " or binary: gmsh -0 MESH -format msh41");
+    }
+    void read_names() {
+        for (int left = next(); left > 0; --left) {
+            const int dimension = next(), tag = next();
+            std::string name;
+            in >> std::quoted(name);
+            if (dimension == 1) names[tag] = name;
+        }
+    }
+    void read_entities() {
+        int count[4];
+        for (int& of_dimension : count) of_dimension = next();
+        for (int dimension = 0; dimension < 4; ++dimension)
+            for (int left = count[dimension]; left > 0; --left) {
+                const int tag = next();
+                skip(dimension == 0 ? 3 : 6);  // where it is
+                const int groups = next();
+                physical[{dimension, tag}] = groups > 0 ? next() : 0;
+                skip(groups - 1);
+                if (dimension > 0) skip(next());  // what bounds it
+            }
+    }
+    // The number of blocks; a list without blocks is one.
+    int blocks() {
+        const int count = has_blocks ? next() : 1;
+        skip(has_blocks ? 3 : 0);
+        return count;
+    }
+    void read_nodes() {
+        for (int left = blocks(); left > 0; --left) {
+            skip(has_blocks ? 3 : 0);
+            std::vector<int> ids(next());
+            for (int& id : ids)
+                if (has_blocks) id = next();
+            for (int& id : ids) {
+                if (!has_blocks) id = next();
+                const double a = next<double>(), b = next<double>();
+                if (!point.insert({id, {a, b}}).second) fail("node " + std::to_string(id) + " is there twice");
+                skip(1);  // z
+            }
+        }
+    }
+    void read_elements() {
+        for (int left = blocks(); left > 0; --left) {
+            const int dimension = has_blocks ? next() : 0, entity = has_blocks ? next() : 0;
+            int type = has_blocks ? next() : 0;
+            for (int count = next(); count > 0; --count) {
+                const int id = next();
+                int tag = has_blocks ? physical[{dimension, entity}] : 0;
+                if (!has_blocks) {
+                    type = next();
+                    const int tags = next();
+                    if (tags > 0) tag = next();
+                    skip(tags - 1);
+                }
+                add_element(id, type, tag);
+            }
+        }
+    }
+    // Types 1 and 2 are edges and triangles of degree 1, 15 is a point.
+    void add_element(int id, int type, int tag) {
+        if (type != 1 && type != 2 && type != 15)
+            fail("element " + std::to_string(id) + " is none of degree 1 in the plane: type " + std::to_string(type));
+        int node[3] = {};
+        for (int k = 0; k < (type == 15 ? 1 : type + 1); ++k)
+            if (!point.contains(node[k] = next())) fail("there is no node " + std::to_string(node[k]));
+        if (type == 1 && tag != 0)
+            group.insert({std::minmax(node[0], node[1]), names.contains(tag) ? names[tag] : std::to_string(tag)});
+        if (type != 2) return;
+        for (int& k : node) {
+            const auto [place, is_first] = number.insert({k, mesh.nodes()});
+            if (is_first) {
+                mesh.id.push_back(k);
+                mesh.y.insert(mesh.y.end(), point[k].begin(), point[k].end());
+            }
+            k = place->second;
+        }
+        mesh.triangles.push_back({.id = id, .node = {node[0], node[1], node[2]}});
+    }
+};
+
+Mesh read_mesh(const std::string& path) {
+    MeshFile file;
+    file.in.open(path);
+    std::string word;
+    if (!(file.in >> word) || word != "$MeshFormat") fail(path + " is no file, or does not begin with $MeshFormat");
+    for (file.read_format(); file.in >> word;) {
+        if (word == "$PhysicalNames") file.read_names();
+        if (word == "$Entities") file.read_entities();
+        if (word == "$Nodes") file.read_nodes();
+        if (word == "$Elements") file.read_elements();
+    }
+    if (file.mesh.triangles.empty()) fail(path + " has no triangles");
+    for (Triangle& t : file.mesh.triangles) set_shape(t, file.mesh.y);
+    set_boundary(file.mesh, file.group);
+    return file.mesh;
 }
 
-int run(const std::vector<std::string>& words) {
-    const Mesh mesh = read_mesh(words[0]);
-    const Constraint constraint = make_constraint(mesh, motions_of({words.begin() + 1, words.end()}, mesh));
-    const Vector x = algorithm_1(mesh, constraint, Settings());
-    const bool valid = certified(mesh, x);
-    std::printf(valid ? "certified: every triangle is valid\n" : "NOT certified: a triangle may be inverted\n");
-    write_vtk("outputs/lessons/one-file.vtk", mesh, x);
-    return valid ? 0 : 4;
+// The targets: a boundary is turned about the origin, or translated.
+Constraint make_constraint(const Mesh& mesh, const std::vector<std::string>& words) {
+    Constraint constraint{mesh.edges, mesh.y};
+    for (std::size_t i = 0; i < words.size();) {
+        const bool turns = i + 2 < words.size() && words[i + 1] == "rotate";
+        if (!turns && !(i + 3 < words.size() && words[i + 1] == "translate"))
+            fail(words[i] + ": translate DX DY or rotate A is due");
+        const double angle = turns ? std::stod(words[i + 2]) * std::numbers::pi / 180 : 0;
+        const double dx = turns ? 0 : std::stod(words[i + 2]), dy = turns ? 0 : std::stod(words[i + 3]);
+        bool is_there = false;
+        for (const Edge& edge : mesh.edges)
+            for (const int node : edge.node) {
+                if (edge.boundary != words[i]) continue;
+                const auto [a, b] = at(mesh.y, node);
+                constraint.g[2 * node] = std::cos(angle) * a - std::sin(angle) * b + dx;
+                constraint.g[2 * node + 1] = std::sin(angle) * a + std::cos(angle) * b + dy;
+                is_there = true;
+            }
+        if (!is_there) fail("the mesh has no boundary " + words[i]);
+        i += turns ? 3 : 4;
+    }
+    return constraint;
 }
 
 int main(int count, char** argument) {
     try {
-        if (count < 2) fail("usage: almesh_in_one_file MESH.msh [BOUNDARY translate DX DY | BOUNDARY rotate A ...]");
-        return run({argument + 1, argument + count});
+        if (count < 2) fail("usage: one-file MESH.msh [BOUNDARY translate DX DY | BOUNDARY rotate A ...]");
+        const Mesh mesh = read_mesh(argument[1]);
+        const Vector x = algorithm_1(mesh, make_constraint(mesh, {argument + 2, argument + count}));
+        write_vtk("outputs/lessons/one-file.vtk", mesh, x);
+        const bool valid = certified(mesh, x);
+        std::puts(valid ? "certified: every triangle is valid, no two overlap"
+                        : "NOT certified: a triangle may be inverted, or two may overlap");
+        return valid ? 0 : 4;
     } catch (const std::exception& error) {
         std::fprintf(stderr, "%s\n", error.what());
         return 2;

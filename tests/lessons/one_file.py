@@ -1,12 +1,17 @@
 #!/usr/bin/env python3
-"""Compares the method in one file, src/lessons/almesh_in_one_file.cpp, with the program, in degree 1: a circle that is
-moved, a plate and a boundary layer that are turned.
+"""Compares the method in one file, src/lessons/almesh_in_one_file.cpp, with the program, in degree 1.
 
-  tests/lessons/one_file.py [--build FOLDER]
+  tests/lessons/one_file.py [--build FOLDER] [--all] [--seed N]
 
-Both have to take the same iterations with the same updates, the same Newton steps from the second minimisation on (in
-the first the program damps its steps), and to end with the same q, largest eta and |c_D|; the mesh of the one file has
-to be certified by the program. The file includes the standard library alone and has 600 lines or less. Exit
+A circle that is moved, a plate and a boundary layer that are turned: both have to take the same iterations with the same
+updates, the same Newton steps from the second minimisation on (in the first the program damps its steps), and to end
+with the same q, largest eta and |c_D|; the mesh of the one file has to be certified by the program.
+
+Meshes good and bad, of verdicts.py: both accept them, with the same q, or neither does. Clockwise triangles, which the
+program turns and tells, are refused by the one file with the same number, and accepted once they are exchanged. A
+hundred and more; with --all a thousand.
+
+The file includes the standard library alone and has 600 lines or less, and the command in its head compiles it. Exit
 code 1 where something differs. Standard library only.
 """
 import argparse
@@ -16,6 +21,8 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+
+from verdicts import check_verdicts, counter_clockwise
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 SOURCE = ROOT / "src" / "lessons" / "almesh_in_one_file.cpp"
@@ -30,7 +37,9 @@ SETTINGS = ["objective=squared", "algorithm=paper", "length_scale=1", "mu0=24", 
 
 def of_one_file(build, folder, mesh, moving, motion):
     """Rows [|c_D|, q, largest eta, update, Newton steps]"""
-    command = [build / "lessons" / "almesh_in_one_file", ROOT / "inputs" / "meshes" / mesh, moving, *motion.split()]
+    path = Path(folder) / mesh  # gmsh has made the triangles of layer.msh clockwise
+    path.write_text(counter_clockwise((ROOT / "inputs" / "meshes" / mesh).read_text()))
+    command = [build / "lessons" / "almesh_in_one_file", path, moving, *motion.split()]
     done = subprocess.run(command, cwd=folder, text=True, capture_output=True)
     if done.returncode != 0 or "certified: every triangle" not in done.stdout:
         sys.exit(f"{mesh}: {done.stdout}{done.stderr}ended with exit code {done.returncode}")
@@ -75,10 +84,22 @@ def differences(build, mesh, moving, motion, still):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", default="build")
-    build = (ROOT / parser.parse_args().build).resolve()
-    failures = [text for mesh, case in CASES.items() for text in differences(build, mesh, *case)]
+    parser.add_argument("--all", action="store_true")
+    parser.add_argument("--seed", type=int, default=1)
+    options = parser.parse_args()
+    build = (ROOT / options.build).resolve()
+    failures = check_verdicts(build, SETTINGS, 1000 if options.all else 120, options.seed)
+    failures += [text for mesh, case in CASES.items() for text in differences(build, mesh, *case)]
     lines = SOURCE.read_text().splitlines()
     failures += [f"{SOURCE.name}: {line}" for line in lines if line.startswith("#include") and "<" not in line]
+    compiles = "//   g++ -std=c++20 -O2 src/lessons/almesh_in_one_file.cpp -o one-file"
+    if compiles not in lines[:10]:
+        failures.append(f"{SOURCE.name}: its head does not say how to compile it")
+    elif options.all:
+        with tempfile.TemporaryDirectory() as folder:
+            command = compiles[5:].replace("one-file", f"{folder}/one-file").replace("src/", f"{ROOT}/src/")
+            if subprocess.run(command.split()).returncode != 0:
+                failures.append(f"{SOURCE.name}: the command in its head does not compile it")
     if len(lines) > 600:
         failures.append(f"{SOURCE.name} has {len(lines)} lines, more than 600")
     print("\n".join(failures), file=sys.stderr, end="\n" if failures else "")
