@@ -26,11 +26,11 @@ Mat<2> edges_to(Point x) { return {{{b[0] - a[0], x[0] - a[0]}, {b[1] - a[1], x[
 
 // F = D phi: from the ideal triangle back to the reference one, from there to the physical one.
 Mat<2> jacobian(Point x) {
-    const Mat<2> W_inverse = inverse<2>(edges_to(c)), A = edges_to(x);
+    const Mat<2> A_inverse = inverse<2>(edges_to(c)), B = edges_to(x);
     Mat<2> F{};
     for (int i = 0; i < 2; ++i)
         for (int j = 0; j < 2; ++j)
-            for (int k = 0; k < 2; ++k) F[i][j] += A[i][k] * W_inverse[k][j];
+            for (int k = 0; k < 2; ++k) F[i][j] += B[i][k] * A_inverse[k][j];
     return F;
 }
 

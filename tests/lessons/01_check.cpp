@@ -21,11 +21,11 @@ EXERCISE("1.1", "eta from the lengths of the edges") {
         const auto edges = [](const std::array<Vec<2>, 3>& t) {
             return Mat<2>{{{t[1][0] - t[0][0], t[2][0] - t[0][0]}, {t[1][1] - t[0][1], t[2][1] - t[0][1]}}};
         };
-        const Mat<2> A = edges(physical), W = inverse<2>(edges(ideal));
+        const Mat<2> B = edges(physical), A_inverse = inverse<2>(edges(ideal));
         Mat<2> F{};
         for (int i = 0; i < 2; ++i)
             for (int j = 0; j < 2; ++j)
-                for (int k = 0; k < 2; ++k) F[i][j] += A[i][k] * W[k][j];
+                for (int k = 0; k < 2; ++k) F[i][j] += B[i][k] * A_inverse[k][j];
         if (determinant(F) < 0) F = {{F[0], {-F[1][0], -F[1][1]}}};  // lengths know nothing of orientation
         expect_close(concat("eta of the triangle (1, 1), (3, 2), (", x[0], ", ", x[1], ")"),
                      eta_of_lengths(lengths_of(ideal), lengths_of(physical)), distortion<2>(F, 0.0), 1e-11,

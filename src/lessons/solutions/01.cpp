@@ -71,7 +71,7 @@ static double largest_eigenvalue(const Mat<3>& M) {
 Measured measure_tetrahedron(const SixLengths& ideal, const SixLengths& physical) {
     const Mat<3> G = gram(physical);
     if (!(determinant(G) > 0 && G[0][0] * G[1][1] > G[0][1] * G[0][1])) return {INFINITY, INFINITY};
-    // W' F'F W = A'A, so inverse(W'W) A'A is similar to F'F.
+    // A' F'F A = B'B, so inverse(A'A) B'B is similar to F'F.
     const Mat<3> C = multiply<3>(inverse<3>(gram(ideal)), G);
     const double eta = (C[0][0] + C[1][1] + C[2][2]) / (3 * std::cbrt(determinant(C)));
     return {eta, std::sqrt(largest_eigenvalue(C) * largest_eigenvalue(inverse<3>(C)))};
