@@ -35,8 +35,9 @@ nothing behind; its path is shown as /home/you/almesh. There `paraview FILE` onl
 commands of a handout run in the checkout.
 
 Every line of a block ```cpp of a handout must be in the lesson's program or its exercises, one after the other. Files
-and links that a README names must exist. `build/` and `./almesh` are those of --build. Exit code 1 where something
-differs. Standard library only.
+that a README names must exist, and what every document refers to: links with their anchors, sections by name (the
+README of src/, "A density"), sections, lessons and exercises by number. `build/` and `./almesh` are those of --build.
+Exit code 1 where something differs. Standard library only.
 """
 import argparse
 import concurrent.futures
@@ -52,7 +53,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 LESSONS = ROOT / "inputs" / "lessons"
 FOLDERS = ("inputs/lessons", "outputs", "src", "tests", "plot")
-PAGES = [*sorted((ROOT / "inputs").glob("*.md")), *(ROOT / folder / "README.md" for folder in FOLDERS)]
+PAGES = [*sorted((ROOT / "inputs").glob("*.md")), *sorted(LESSONS.glob("[a-z]*.md")),
+         *(ROOT / folder / "README.md" for folder in FOLDERS)]
 READMES = [ROOT / "README.md", *PAGES]
 SHOWN_ROOT = "/home/you/almesh"
 NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
@@ -61,6 +63,12 @@ TIMES = re.compile(r"\b\d[\d.e+-]*\s?(ms|s|MB|GB|threads?)\b")
 COMMENT = re.compile(r"<!-- (.*) -->")
 FILE_NAME = re.compile(r"`((?:[\w.-]+/)*[\w-]+\.(?:cpp|hpp|py|deck|msh|md|geo|csv|txt|sh|png))`")
 LINK = re.compile(r"\]\(([^)\s]+)\)")
+BY_NAME = re.compile(r"((?:[\w./-]+/)?(?:README|\w[\w-]*\.md)(?:\.md)?)`?[^\".]{0,60} \"([A-Z][^\"]+)\""
+                     r"(?: and \"([^\"]+)\")?")
+BY_TOPIC = re.compile(r"README(?:\.md)?`?'s section on \w+")
+SECTION_OF_LESSON = re.compile(r"section (\d+) of lesson (\d+)|lesson (\d+), section (\d+)")
+OF_LESSON = re.compile(r"\b[Ll]essons? (\d+)(?:(?:,| to| and) (\d+))*")
+EXERCISE = re.compile(r"\b[Ee]xercises? (\d+)\.(\d+)\b")
 NOT_COMPARED = re.compile(r"(time|share)\b")  # at the beginning of a column's name
 SECONDS, SLOW_SECONDS = 120, 7200  # of one command
 
@@ -303,21 +311,54 @@ def check_code(path, blocks):
             if block.kind == "cpp" and not any(contains(source.read_text(), block.lines) for source in sources)]
 
 
+def headings(text):
+    return re.findall(r"^#+ (.*)$", re.sub(r"```.*?```", "", text, flags=re.DOTALL), flags=re.MULTILINE)
+
+
 def anchors(text):
     """The headings of a document as GitHub makes them anchors."""
-    headings = re.findall(r"^#+ (.*)$", re.sub(r"```.*?```", "", text, flags=re.DOTALL), flags=re.MULTILINE)
-    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings(text)}
 
 
-def check_names(path, text):
-    """Of a README: links lead somewhere, and files that it names are there."""
+def handout(number):
+    return next(iter(LESSONS.glob(f"{int(number):02}-*/README.md")), None)
+
+
+def check_references(path, text):
+    """Links lead somewhere; sections, lessons and exercises that are named or numbered are there."""
     prose = re.sub(r"```.*?```", "", text, flags=re.DOTALL)
     missing = []
     for link in LINK.findall(prose):
         target, _, anchor = link.partition("#")
         to = path.parent / target if target else path
         if not link.startswith("http") and not (to.exists() and (not anchor or anchor in anchors(to.read_text()))):
-            missing.append(f"{shown(path)}: the link to {link} leads nowhere")
+            missing.append(f"the link to {link} leads nowhere")
+    prose = re.sub(r"\s+", " ", prose)
+    for file, *names in BY_NAME.findall(prose):
+        file += "" if file.endswith(".md") else ".md"
+        places = [place / file for place in (ROOT, path.parent) if (place / file).exists()]
+        for name in filter(None, names):
+            if not any(heading == name for place in places for heading in headings(place.read_text())):
+                missing.append(f'{file} has no section "{name}"')
+    missing += [f"{match}: sections are named by their titles" for match in BY_TOPIC.findall(prose)]
+    for numbers in SECTION_OF_LESSON.findall(prose):
+        section, lesson = numbers[:2] if numbers[0] else reversed(numbers[2:])
+        to = handout(lesson)
+        if not to or not any(re.match(rf"{section}\b", heading) for heading in headings(to.read_text())):
+            missing.append(f"lesson {lesson} has no section {section}")
+    for match in OF_LESSON.finditer(prose):
+        missing += [f"there is no lesson {n}" for n in re.findall(r"\d+", match.group()) if not handout(n)]
+    for lesson, exercise in EXERCISE.findall(prose):
+        to = handout(lesson)
+        if not to or not re.search(rf"^{exercise}\. \*\*", to.read_text().partition("## Exercises")[2], re.MULTILINE):
+            missing.append(f"there is no exercise {lesson}.{exercise}")
+    return [f"{shown(path)}: {what}" for what in missing]
+
+
+def check_names(path, text):
+    """Of a README: files that it names are there."""
+    prose = re.sub(r"```.*?```", "", text, flags=re.DOTALL)
+    missing = []
     known = {file.name for folder in ("src", "tests", "plot", "inputs") for file in (ROOT / folder).rglob("*")}
     for name in FILE_NAME.findall(prose):
         places = [ROOT, path.parent, ROOT / "src"]
@@ -358,6 +399,7 @@ class Document:
 
     def check(self):
         self.differences += check_code(self.path, self.blocks) if self.handout else check_names(self.path, self.text)
+        self.differences += check_references(self.path, self.text)
         for block in self.blocks:
             self.check_block(block)
         self.close()
@@ -503,6 +545,8 @@ def self_test():
         "a table": table(rows, "| deck | q | time |", "|---|---|---|", "| a | 0.9365 | 9.9 |"),
         "a slow command, left out": console("false", mark="<!-- slow -->"),
         "a link and a file": "[README](README.md#one) and `src/main.cpp`\n# One\n",
+        "sections by name": 'README.md, "One two" and "Three", and `src/README.md`, "A\ndensity"\n# One two\n# Three\n',
+        "a lesson and an exercise": "lessons 1, 3 and 12, exercise 4.6\n",
     }
     wrong = {
         "a stale count": console("echo 12 steps", "11 steps"),
@@ -521,6 +565,12 @@ def self_test():
         "a missing row": table(rows, "| deck | q | time |", "|---|---|---|"),
         "a link to nowhere": "[there](nowhere.md)\n",
         "a heading that is not there": "[there](README.md#two)\n# One\n",
+        "a section by name that is not there": 'the README of this program, "How this code\nreads the paper"\n# One\n',
+        "the second of two that is not there": 'the README\'s sections "One" and "What is, and why"\n# One\n',
+        "a section by its topic": "the README's section on speed\n",
+        "a section of a lesson that has no such number": "section 3 of lesson 4\n",
+        "a lesson that is not there": "lessons 4 and 14\n",
+        "an exercise that is not there": "exercise 4.9\n",
         "an example for a place that is not there": "<!-- in: src/main.cpp before: nothing -->\n```cpp\n```\n",
         "a file that is not there": "`src/method/nothing.cpp`\n",
     }
