@@ -187,10 +187,10 @@ def compare(build, settings, name, text, motions):
     if accepted and first:
         told = f"triangle {first.group(1)} is clockwise" in message
         return "clockwise", "" if told and not alike else f"{name}: triangle {first.group(1)} is clockwise; {message}"
+    verdict, differs = "accepted" if accepted else "refused", accepted and abs(own - q) > 1e-7
     if accepted != alike:
-        return "refused", f"{name}: the program says {says[-300:]}, the one file {message}"
-    differs = accepted and abs(own - q) > 1e-7
-    return "accepted" if accepted else "refused", f"{name}: q = {own}, of the program {q}" if differs else ""
+        return verdict, f"{name}: the program says {says[-300:]}, the one file {message}"
+    return verdict, f"{name}: q = {own}, of the program {q}" if differs else ""
 
 
 def check_verdicts(build, settings, count, seed):
