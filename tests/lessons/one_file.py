@@ -3,9 +3,9 @@
 
   tests/lessons/one_file.py [--build FOLDER] [--all] [--seed N]
 
-A circle that is moved, a plate and a boundary layer that are turned: both have to take the same iterations with the same
-updates, the same Newton steps from the second minimisation on (in the first the program damps its steps), and to end
-with the same q, largest eta and |c_D|; the mesh of the one file has to be certified by the program.
+A circle that is moved, a plate and a boundary layer that are turned: both have to take the same iterations with the
+same updates, the same Newton steps from the second minimisation on (in the first the program damps its steps), and to
+end with the same q, largest eta and |c_D|; the mesh of the one file has to be certified by the program.
 
 Meshes good and bad, of verdicts.py: both accept them, with the same q, or neither does. Clockwise triangles, which the
 program turns and tells, are refused by the one file with the same number, and accepted once they are exchanged. A
