@@ -471,7 +471,7 @@ test-page: $(BUILD)/almesh python ##check use pages of results in a headless Chr
 
 # Without threads, with two numbers in a register. An object of clang takes no precompiled header after another include.
 WASM      := -O2 -msimd128 -fwasm-exceptions -fno-PIC -include plot/viewer/to_chars.hpp
-ENTRIES    = $(shell grep -oE 'almesh_[a-z_]+\(' src/almesh.h | sort -u | sed 's/(/,/; s/^/_/' | tr -d '\n')_page_faces,_malloc
+ENTRIES    = $(shell sed -nE 's/^ALMESH_API [a-z ]*\**(almesh_[a-z_]+).*/_\1,/p' src/almesh.h | tr -d '\n')_page_faces,_malloc
 wasm: python ## make outputs/almesh.html: almesh in a browser, in one page that needs nothing else (emscripten, npm)
 	@command -v em++ >/dev/null || { echo 'there is no em++ here (Debian: emscripten)'; exit 1; }
 	$(MAKE) BUILD=build-wasm CXX=em++ AR=emar OPENMP= READ_ONCE= CXXFLAGS='$(WASM)' build-wasm/almesh.js
