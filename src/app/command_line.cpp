@@ -26,6 +26,7 @@ constexpr const char* help =
     "  almesh info FILE              describe a mesh file in a deck to start from: almesh info FILE > my.deck\n"
     "  almesh quality FILE           certify and measure any mesh (Gmsh MSH, SU2, Abaqus, VTU, VTK)\n"
     "                                before=FILE: and how far the boundary is from where that file has it\n"
+    "                                proof=FILE: and write a proof that others can check: tests/verify.py\n"
     "                                both take keys: almesh quality FILE threads=1\n"
     "  almesh improve FILE [key=value ...]\n"
     "                                make a mesh valid and its elements better; boundary nodes slide along the boundary\n"
@@ -56,14 +57,15 @@ constexpr const char* help =
     "  4  the run converged, but the mesh is not certified\n"
     "  5  the mesh is certified, but an `expect` line of the deck does not hold\n";
 
-// `info FILE [key=value ...]`, and the same of quality, which has a key of its own: before=FILE.
-Deck deck_of_mesh(const std::vector<std::string>& arguments, std::string* before = nullptr) {
+// `info FILE [key=value ...]`, and the same of quality, which has keys of its own.
+Deck deck_of_mesh(const std::vector<std::string>& arguments, QualityFiles* files = nullptr) {
     if (arguments.size() < 2)
         throw UsageError(arguments[0], " takes a mesh file: almesh ", arguments[0], " FILE [key=value ...]");
-    constexpr std::string_view key = "before=";
+    constexpr std::string_view before = "before=", proof = "proof=";
     std::vector<std::string> settings;
     for (auto argument = arguments.begin() + 2; argument != arguments.end(); ++argument)
-        if (before && argument->starts_with(key)) *before = argument->substr(key.size());
+        if (files && argument->starts_with(before)) files->before = argument->substr(before.size());
+        else if (files && argument->starts_with(proof)) files->proof = argument->substr(proof.size());
         else settings.push_back(*argument);
     return parse_deck("", arguments[1], settings, arguments[1]);
 }
@@ -80,8 +82,11 @@ std::optional<ExitCode> print_result(const std::vector<std::string>& arguments, 
     if (std::any_of(arguments.begin(), arguments.end(), asks)) return print(help);
     if (first == "--keys") return print(keys_table(history_columns()));
     if (first == "--version") return print(version() + ", commit " + commit() + "\n" + compiler() + "\n");
-    std::string before;
-    if (first == "quality") return quality(deck_of_mesh(arguments, &before), before, out);
+    QualityFiles files;
+    if (first == "quality") {
+        const Deck deck = deck_of_mesh(arguments, &files);
+        return quality(deck, files, out);
+    }
     if (first == "info") return info(deck_of_mesh(arguments), out);
     if (first.starts_with("-")) throw UsageError("unknown option ", first, "; see almesh --help");
     return std::nullopt;

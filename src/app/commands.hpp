@@ -36,10 +36,14 @@ ExitCode run_frames(const Deck& deck, const Output& out);
 // nodes, settings. Throws Error where there are none.
 ExitCode differentiate(const std::vector<std::string>& arguments, const Output& out);
 
-// Certificate and statistics of the deck's mesh. success: every element is certified valid, else not_certified. before:
-// a file of the same mesh, from which the distance of the boundary is measured; "": none. Throws InputError for a file
-// that is no mesh, and where the two are not the same.
-ExitCode quality(const Deck& deck, const std::string& before, const Output& out);
+// Certificate and statistics of the deck's mesh. success: every element is certified valid, else not_certified; so too
+// where there is no proof that was asked for. Throws InputError for a file that is no mesh, and where the two are not
+// the same.
+struct QualityFiles {
+    std::string before;  // a file of the same mesh, from which the distance of the boundary is measured; "": none
+    std::string proof;   // to write (io/proof_file.hpp); "": none
+};
+ExitCode quality(const Deck& deck, const QualityFiles& files, const Output& out);
 
 // What is in the deck's mesh file, as comments, and a deck to start from, wherever it is put: all boundaries fixed,
 // and the keys that were given. Throws InputError for a file that is no mesh.

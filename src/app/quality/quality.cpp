@@ -9,6 +9,7 @@
 #include "base/parallel.hpp"
 #include "base/table.hpp"
 #include "io/mesh_format.hpp"
+#include "io/proof_file.hpp"
 
 namespace almesh {
 namespace {
@@ -61,15 +62,20 @@ ExitCode info(const Deck& deck, const Output& out) {
     return ExitCode::success;
 }
 
-ExitCode quality(const Deck& deck, const std::string& before, const Output& out) {
+ExitCode quality(const Deck& deck, const QualityFiles& files, const Output& out) {
     std::vector<std::string> notes;
     const Mesh mesh = read_and_tell(deck, notes, out);
     print(out, deck.mesh, ": ", mesh.nodes(), " nodes, ", mesh.elements_text(), " of degree ", mesh.degree, "\n");
     for (const std::string& note : notes) print(out, "note: ", note, "\n");
 
+    const std::string& before = files.before;
     const std::vector<double> came = before.empty() ? std::vector<double>() : positions_before(before, mesh);
     const bool is_certified = print_quality(out, mesh, before, came, deck.given.contains("output") ? deck.output : "");
-    return is_certified ? ExitCode::success : ExitCode::not_certified;
+    if (!is_certified) return ExitCode::not_certified;
+    if (files.proof.empty()) return ExitCode::success;
+    const ProofFile proof = write_proof(deck.mesh, files.proof);
+    print(out, proof.told, "\n");
+    return proof.is_written ? ExitCode::success : ExitCode::not_certified;
 }
 
 }  // namespace almesh

@@ -1,0 +1,16 @@
+// The proof of a mesh file (check/proof.hpp), for tests/verify.py.
+#pragma once
+#include <string>
+
+namespace almesh {
+
+// Writes the proof that the mesh in the file `path`, certified valid and injective, is that. A mesh that is not in MSH
+// 2.2 or 4.1 in text or SU2 is first written as MSH 2.2 with the same coordinates beside the proof. Returns what was
+// written, or why there is no proof, in a sentence. Throws InputError where it cannot be written.
+struct ProofFile {
+    bool is_written = false;
+    std::string told;
+};
+ProofFile write_proof(const std::string& path, const std::string& proof);
+
+}  // namespace almesh
