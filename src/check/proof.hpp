@@ -19,4 +19,7 @@ struct Proof {
 // faces that come close to each other, all neighbours.
 Proof make_proof(const Mesh& mesh, const std::vector<double>& x);
 
+// Its lines of the boundary (boundary_proof.cpp), appended.
+void prove_boundary(const Mesh& mesh, const std::vector<double>& x, Proof& proof);
+
 }  // namespace almesh

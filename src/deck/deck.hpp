@@ -58,6 +58,7 @@ struct Deck : ProblemSetup {
     int resume = 0;
     VtkOutput vtk = VtkOutput::ascii;
     FinalFormat final_format = FinalFormat::input;
+    bool proof = false;  // of the final mesh and those of frames (io/proof_file.hpp)
     std::string frames;  // times, or path of a file of them; "": one run without time
     bool keep_going = false;
     Velocity velocity = Velocity::no;

@@ -263,6 +263,8 @@ const std::vector<DeckKey>& deck_keys() {
          "iterates.vtk.series, which ParaView plays. Steps on coarser meshes are not counted. 0: never."},
         {"vtk", choice<&Deck::vtk>({"ascii", "binary", "none"}),
          "Format of the VTK files. ascii: text; binary: faster to write and read; none: no VTK files."},
+        {"proof", choice<&Deck::proof>({"no", "yes"}),
+         "also write a proof that the final mesh, and that of each frame, is valid and injective, for tests/verify.py."},
         {"final", choice<&Deck::final_format>({"input", "msh", "su2", "both"}),
          "Format of the final mesh. input: that of the mesh file, with nothing changed but the coordinates; with other "
          "nodes (degree, refine, split) written anew, in MSH 2.2 or SU2; msh: MSH 2.2; su2: SU2; both: these two."},

@@ -4,7 +4,6 @@
 #include <map>
 
 #include "base/files.hpp"
-#include "base/sha256.hpp"
 #include "base/text.hpp"
 #include "base/version.hpp"
 #include "check/proof.hpp"
@@ -35,14 +34,13 @@ bool find_turned(const RawMesh& raw, const Mesh& mesh, std::string& lines) {
 
 ProofFile write_proof(const std::string& path, const std::string& proof) {
     std::string mesh_path = path, text = read_file(path), turned;
-    RawMesh raw = parse_mesh(text, path);
-    const FileFormat format = raw.format;
-    const std::string degrees = "a proof is of degree 4 at most";
+    const RawMesh raw = parse_mesh(text, path);
+    const FileFormat& format = raw.format;
     std::vector<std::string> notes;
     Mesh mesh = build_mesh(raw, notes, Folds::keep);
-    if (mesh.degree > 4) return {false, degrees};
-    const bool is_readable = format.ending == ".su2" ||
-                             (format.ending == ".msh" && !format.binary && (format.msh_version == 22 || format.msh_version == 41));
+    if (mesh.degree > 4) return {false, "no proof: it is of degree 4 at most"};
+    const bool is_msh = format.ending == ".msh" && (format.msh_version == 22 || format.msh_version == 41);
+    const bool is_readable = format.ending == ".su2" || (is_msh && !format.binary);
     if (!is_readable || !find_turned(raw, mesh, turned)) {
         mesh_path = proof + ".msh";
         text = msh_text(mesh, mesh.x);
@@ -53,7 +51,7 @@ ProofFile write_proof(const std::string& path, const std::string& proof) {
     const Proof found = make_proof(mesh, mesh.x);
     if (!found.missing.empty())
         return {false, concat("no proof: ", found.missing, " is too close to the limit to tell, or faces touch there")};
-    std::string lines = concat("almesh proof 1\nversion ", version(), "\nsha256 ", sha256(text), "\nelements ",
+    std::string lines = concat("almesh proof 1\nversion ", version(), "\nhash ", hash_of(text), "\nelements ",
                                mesh.element_count(), "\n", turned, found.lines);
     lines += concat("end ", std::count(lines.begin(), lines.end(), '\n') + 1, "\n");
     write_file(proof, lines);

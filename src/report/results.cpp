@@ -16,6 +16,7 @@
 #include "check/scaled_jacobian.hpp"
 #include "io/mesh_format.hpp"
 #include "io/patch.hpp"
+#include "io/proof_file.hpp"
 
 namespace almesh {
 namespace {
@@ -122,6 +123,10 @@ std::string write_mesh(const Deck& deck, const Problem& problem, const Solution&
         const std::string path = concat(deck.output, "/", name, ending_of_final(format));
         write_mesh_as(format, path, mesh, problem.mesh_text, positions);
         if (first.empty()) first = path;
+    }
+    if (deck.proof && solution.injectivity.certified) {
+        const ProofFile proof = write_proof(first, concat(deck.output, "/", name, ".proof"));
+        if (!proof.is_written) std::fprintf(stderr, "note: %s: %s\n", first.c_str(), proof.told.c_str());
     }
     if (deck.vtk != VtkOutput::none)
         write_volume(deck, problem, name.c_str(), solution.x, positions, solution.al.distortion.element_max,

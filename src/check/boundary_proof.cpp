@@ -1,0 +1,337 @@
+// The boundary by its patches, whose corners are in the order of their names: the bisections after which the tests of
+// the checker hold in floating-point arithmetic by more than its errors.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+
+#include "base/parallel.hpp"
+#include "base/text.hpp"
+#include "check/proof.hpp"
+#include "geometry/patch.hpp"
+#include "mesh/lagrange.hpp"
+#include "mesh/mesh.hpp"
+
+namespace almesh {
+namespace {
+
+constexpr int most_cuts = 40, most_pieces = 20000;  // one after another, of a face or a pair
+
+struct Named {
+    std::array<long long, 3> name{};  // of the corners
+    Patch patch;
+};
+
+class Boundary {
+public:
+    Boundary(const Mesh& mesh, const std::vector<double>& x)
+        : mesh_(mesh), x_(x), m_(mesh.dim - 1), degree_(mesh.degree * (has_quadrilaterals() ? 2 : 1)),
+          basis_(m_, degree_) {
+        name_nodes();
+        add_patches();
+    }
+
+    void prove(Proof& proof) const {
+        if (degree_ == 1) return;
+        const int count = static_cast<int>(patches_.size());
+        std::vector<std::string> lines(count);
+        std::vector<char> is_missing(count, 0);
+        std::vector<Box> boxes;
+        for (const Named& of : patches_) boxes.push_back(box_of(of.patch));
+        const BoxTree tree(boxes);
+        parallel_for_uneven(count, [&](int i) {
+            const auto add = [&](const std::string& line, const std::optional<std::string>& cuts) {
+                if (!cuts) {
+                    if (!is_missing[i]++) lines[i] = line;
+                } else if (*cuts != "." && !is_missing[i]) {
+                    lines[i] += line + " " + *cuts + "\n";
+                }
+            };
+            add("face" + names(patches_[i]), cuts_of(patches_[i], nullptr));
+            std::vector<int> others;
+            tree.visit_overlapping({boxes[i]}, [&](int, int k) { others.push_back(tree.items[k]); });
+            std::sort(others.begin(), others.end());
+            for (const int j : others)
+                if (patches_[i].name < patches_[j].name)
+                    add(concat("pair", names(patches_[i]), names(patches_[j])), cuts_of(patches_[i], &patches_[j]));
+        }, 1e5);
+        for (int i = 0; i < count; ++i) {
+            if (!is_missing[i]) proof.lines += lines[i];
+            else if (proof.missing.empty()) proof.missing = lines[i];
+        }
+    }
+
+private:
+    const Mesh& mesh_;
+    const std::vector<double>& x_;
+    int m_, degree_;
+    PatchBasis basis_;
+    std::vector<long long> name_;  // of each node: the least id of those at its place
+    std::vector<Named> patches_;
+
+    bool has_quadrilaterals() const {
+        for (const ElementGroup& group : mesh_.face_groups())
+            if (group.count > 0 && group.cell == &quadrilateral()) return true;
+        return false;
+    }
+    std::string names(const Named& of) const {
+        std::string text;
+        for (int k = 0; k <= m_; ++k) text += concat(" ", of.name[k]);
+        return text;
+    }
+
+    void name_nodes() {
+        std::map<std::vector<double>, long long> least;
+        const auto place = [&](int i) {
+            const double* const at = point(x_, i, mesh_.dim);
+            return std::vector<double>(at, at + mesh_.dim);
+        };
+        name_ = mesh_.file.node_id;
+        for (const int i : mesh_.faces) {
+            const auto [at, is_new] = least.try_emplace(place(i), name_[i]);
+            at->second = std::min(at->second, name_[i]);
+        }
+        for (const int i : mesh_.faces) name_[i] = least.at(place(i));
+    }
+
+    // But for those that are glued: with the same corners as another one.
+    void add_patches() {
+        std::map<std::vector<long long>, int> count;
+        const auto key = [&](int f) {
+            std::vector<long long> names;
+            for (const int i : mesh_.face_vertices(f)) names.push_back(name_[i]);
+            std::sort(names.begin(), names.end());
+            return names;
+        };
+        for (int f = 0; f < mesh_.face_count(); ++f)
+            if (!mesh_.is_inner(f)) ++count[key(f)];
+        std::map<std::pair<const CellType*, std::array<int, 3>>, std::vector<double>> maps;
+        for (int f = 0; f < mesh_.face_count(); ++f) {
+            if (mesh_.is_inner(f) || count[key(f)] > 1) continue;
+            for (const std::array<int, 3>& corner : corners_of(f)) {
+                std::vector<double>& S = maps[{&mesh_.face_cell(f), corner}];
+                if (S.empty()) S = map_of(mesh_.face_cell(f), corner);
+                Named& of = patches_.emplace_back();
+                for (int k = 0; k <= m_; ++k) of.name[k] = name_[mesh_.face(f)[corner[k]]];
+                const std::vector<Vec<3>> x = positions(mesh_, x_, mesh_.face(f), mesh_.face_nodes(f));
+                std::vector<Vec<3>> nodes(basis_.nodes, x[0]);
+                const double* weight = S.data();
+                for (Vec<3>& node : nodes)
+                    for (const Vec<3>& of_face : x) node = node + *weight++ * (of_face - x[0]);
+                of.patch = make_patch(basis_, nodes);
+            }
+        }
+    }
+
+    // A quadrilateral is cut at the diagonal from its corner with the least name.
+    std::vector<std::array<int, 3>> corners_of(int f) const {
+        const std::span<const int> v = mesh_.face_vertices(f);
+        const auto less = [&](int i, int j) { return name_[v[i]] < name_[v[j]]; };
+        std::vector<std::array<int, 3>> all = {{0, 1, 2}};
+        if (v.size() == 4) {
+            int least = 0;
+            for (int i = 1; i < 4; ++i) least = less(i, least) ? i : least;
+            all = {{least, (least + 1) % 4, (least + 2) % 4}, {least, (least + 2) % 4, (least + 3) % 4}};
+        }
+        for (std::array<int, 3>& corner : all) std::sort(corner.begin(), corner.begin() + m_ + 1, less);
+        return all;
+    }
+
+    // Nodes of the patch from those of the face: basis_.nodes x face nodes.
+    std::vector<double> map_of(const CellType& cell, const std::array<int, 3>& corner) const {
+        const LagrangeBasis face(cell, mesh_.degree);
+        std::vector<double> S(offset(basis_.nodes, face.count));
+        int row = 0;
+        for (const MultiIndex& b : gmsh_node_order(m_, degree_)) {
+            std::array<double, 3> xi{};
+            for (int k = 0; k <= m_; ++k)
+                for (int a = 0; a < face.dim; ++a) xi[a] += b[k] * face.point(corner[k])[a] / degree_;
+            face.values(xi.data(), &S[offset(row++, face.count)]);
+        }
+        return S;
+    }
+
+    // The cuts after which the checker sees that the patch has no point twice, or that the two have nothing in common
+    // but what their names say; nothing where there are none.
+    std::optional<std::string> cuts_of(const Named& f, const Named* g) const {
+        std::string tree;
+        int pieces = 0;
+        const bool is_done = g ? divide_pair(f, *g, tree, pieces, 0) : divide(f, tree, pieces, 0);
+        return is_done ? std::optional(tree) : std::nullopt;
+    }
+
+    bool divide(const Named& f, std::string& tree, int& pieces, int depth) const {
+        if (is_monotone(f, nullptr)) return tree += '.', true;
+        if (depth == most_cuts || ++pieces == most_pieces) return false;
+        const int cut = longest(f);
+        tree += concat(cut);
+        const auto [a, b] = halves(f, cut);
+        return divide(a, tree, pieces, depth + 1) && divide(b, tree, pieces, depth + 1) &&
+               divide_pair(a, b, tree, pieces, depth + 1);
+    }
+
+    bool divide_pair(const Named& f, const Named& g, std::string& tree, int& pieces, int depth) const {
+        if (are_apart(f, g)) return tree += '.', true;
+        if (depth == most_cuts || ++pieces == most_pieces) return false;
+        const int cut_f = longest(f), cut_g = longest(g), two = shared(f, g);
+        if (m_ == 2 && two == 2) {
+            const int of_f = other_corner(f, g), of_g = other_corner(g, f);
+            if (edge_length(f, of_f) > 0.5 * std::max(edge_length(f, cut_f), edge_length(g, cut_g))) {
+                tree += 'b';
+                const auto [f1, f2] = halves(f, of_f);
+                const auto [g1, g2] = halves(g, of_g);
+                for (const Named* a : {&f1, &f2})
+                    for (const Named* b : {&g1, &g2})
+                        if (!divide_pair(*a, *b, tree, pieces, depth + 1)) return false;
+                return true;
+            }
+        }
+        const bool first = edge_length(f, cut_f) >= edge_length(g, cut_g);
+        tree += concat(first ? cut_f : 3 + cut_g);
+        const auto [a, b] = first ? halves(f, cut_f) : halves(g, cut_g);
+        return first ? divide_pair(a, g, tree, pieces, depth + 1) && divide_pair(b, g, tree, pieces, depth + 1)
+                     : divide_pair(f, a, tree, pieces, depth + 1) && divide_pair(f, b, tree, pieces, depth + 1);
+    }
+
+    // Edge k is opposite corner k; of a line, the line.
+    std::array<int, 2> edge(int k) const {
+        return m_ == 1 ? std::array{0, 1} : std::array{k == 0 ? 1 : 0, k == 2 ? 1 : 2};
+    }
+    double edge_length(const Named& of, int k) const {
+        return length(of.patch[edge(k)[1]] - of.patch[edge(k)[0]]);
+    }
+    int longest(const Named& of) const {
+        int best = 0;
+        for (int k = 1; k <= m_ && m_ == 2; ++k) best = edge_length(of, k) > edge_length(of, best) ? k : best;
+        return best;
+    }
+    std::pair<Named, Named> halves(const Named& of, int k) const {
+        const auto [a, b] = edge(k);
+        auto [near_a, near_b] = bisect(basis_.bernstein, of.patch, a, b);
+        std::pair<Named, Named> both{{of.name, std::move(near_a)}, {of.name, std::move(near_b)}};
+        // Of the middle: it follows from the names of the ends, below all names in the file.
+        const auto [low, high] = std::minmax(of.name[a], of.name[b]);
+        const unsigned long long mixed = (static_cast<unsigned long long>(low) * 0x9e3779b97f4a7c15u +
+                                          static_cast<unsigned long long>(high)) * 0xc2b2ae3d27d4eb4fu;
+        both.first.name[b] = both.second.name[a] = -1 - static_cast<long long>((mixed ^ (mixed >> 31)) >> 2);
+        return both;
+    }
+    bool has(const Named& of, long long name) const {
+        return std::find(of.name.begin(), of.name.begin() + m_ + 1, name) != of.name.begin() + m_ + 1;
+    }
+    int shared(const Named& f, const Named& g) const {
+        int count = 0;
+        for (int k = 0; k <= m_; ++k) count += has(g, f.name[k]);
+        return count;
+    }
+    int other_corner(const Named& f, const Named& g) const {
+        int k = 0;
+        while (has(g, f.name[k])) ++k;
+        return k;
+    }
+
+    bool are_apart(const Named& f, const Named& g) const;
+    bool is_monotone(const Named& f, const Named* g) const;
+};
+
+// What may be wrong with a difference of Bezier points.
+double error_of(const Patch& patch) {
+    double largest = 0;
+    for (const Vec<3>& x : patch)
+        for (const double a : x) largest = std::max(largest, std::abs(a));
+    return 1e-14 * largest;
+}
+
+// As the checker does, with some more to spare.
+bool has_positive(const std::vector<Vec<3>>& vectors, double error) {
+    std::vector<Vec<3>> units;
+    Vec<3> d{};
+    double shortest = std::numeric_limits<double>::infinity();
+    for (const Vec<3>& v : vectors) {
+        shortest = std::min(shortest, length(v));
+        units.push_back(unit(v));
+        d = d + units.back();
+    }
+    for (int step = 0; step < 60; ++step) {
+        const auto least = std::min_element(units.begin(), units.end(),
+                                            [&](const Vec<3>& v, const Vec<3>& w) { return dot(v, d) < dot(w, d); });
+        if (dot(*least, d) > (1e-5 + error / shortest) * length(d)) return true;
+        d = d + *least;
+    }
+    return false;
+}
+
+bool Boundary::are_apart(const Named& f, const Named& g) const {
+    const int common = shared(f, g);
+    if (common > m_) return false;
+    if (common == 2) return is_monotone(f, &g);
+    const double error = error_of(f.patch);
+    std::vector<Vec<3>> vectors;
+    if (common == 0) {
+        for (const Vec<3>& a : f.patch)
+            for (const Vec<3>& b : g.patch) vectors.push_back(a - b);
+        return has_positive(vectors, error);
+    }
+    const auto place = [&](const Named& of, const Named& other) {
+        int k = 0;
+        while (!has(other, of.name[k])) ++k;
+        return k;
+    };
+    const int of_f = place(f, g), of_g = place(g, f);
+    for (int i = 0; i < static_cast<int>(f.patch.size()); ++i) {
+        if (i != of_f) vectors.push_back(f.patch[i] - f.patch[of_f]);
+        if (i != of_g) vectors.push_back(g.patch[of_g] - g.patch[i]);
+    }
+    return has_positive(vectors, error);
+}
+
+bool Boundary::is_monotone(const Named& f, const Named* g) const {
+    const Bernstein& form = basis_.bernstein;
+    const double error = error_of(f.patch);
+    const auto moved = [&](MultiIndex at, int from, int to) {
+        --at[from], ++at[to];
+        return form.place(at);
+    };
+    std::array<int, 2> ends = {0, 1};
+    if (g) ends = edge(other_corner(f, *g));
+    const Vec<3> u = f.patch[ends[1]] - f.patch[ends[0]];
+    Vec<3> q{};
+    std::vector<std::array<Vec<3>, 2>> both;  // along the edge, and away from it
+    for (const Named* of : {&f, g}) {
+        if (!of) continue;
+        const double sign = of == g ? -1 : 1;
+        const auto at = [&](int k) {
+            return static_cast<int>(std::find(of->name.begin(), of->name.end(), f.name[ends[k]]) - of->name.begin());
+        };
+        const int a = at(0), b = at(1), c = 3 - a - b;
+        for (int i = 0; i < form.count; ++i) {
+            const MultiIndex& index = form.index[i];
+            if (index[a] == 0) continue;
+            const Vec<3>&x = of->patch[i], &y = of->patch[moved(index, a, b)];
+            const Vec<3> away = m_ == 1 ? Vec<3>{} : 2 * of->patch[moved(index, a, c)] - x - y;
+            both.push_back({y - x, sign * away});
+        }
+        if (m_ == 1) continue;
+        const Vec<3> away = of->patch[c] - of->patch[a];
+        q = q + sign * unit(dot(u, u) * away - dot(u, away) * u);
+    }
+    double least_u = std::numeric_limits<double>::infinity(), least_q = least_u, most_u = 0, most_q = 0;
+    for (const auto& [along, away] : both) {
+        least_u = std::min(least_u, dot(u, along));
+        least_q = std::min(least_q, dot(q, away));
+        most_u = std::max(most_u, std::abs(dot(u, away)));
+        most_q = std::max(most_q, std::abs(dot(q, along)));
+    }
+    const double of_u = 8 * error * length(u), of_q = 8 * error * length(q);
+    if (m_ == 1) return least_u > of_u;
+    return least_u > of_u && least_q > of_q &&
+           (least_u - of_u) * (least_q - of_q) > 1.0001 * (most_u + of_u) * (most_q + of_q);
+}
+
+}  // namespace
+
+void prove_boundary(const Mesh& mesh, const std::vector<double>& x, Proof& proof) { Boundary(mesh, x).prove(proof); }
+
+}  // namespace almesh
