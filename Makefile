@@ -158,7 +158,7 @@ run: almesh ## move the circle of section 4.1 and print its table
 
 test: doctest python numpy ## build with warnings as errors and run the tests (LONG=1: the long ones too; installs doctest)
 	tests/mutants/mutants.py --check
-	$(MAKE) $(if $(LONG),long-tests) run-fast-tests run-python run-oracle run-patch lessons \
+	$(MAKE) $(if $(LONG),long-tests) run-fast-tests run-python run-oracle run-patch run-proofs lessons \
 	  $(BUILD)/almesh-bench
 	@! find $(BUILD) -name '*.o.log' -size +0 | grep . || { echo 'the compiler warned: see these files'; exit 1; }
 	@tests/house.py
@@ -409,6 +409,11 @@ slurm: almesh python ##check run a sweep as a job array of Slurm, with a job tha
 
 certificates: $(BUILD)/almesh-tests ##check the certificate beside dense samples of ten thousand elements of each type and degree (ELEMENTS=100000)
 	ALMESH_ELEMENTS=$(or $(ELEMENTS),10000) $(BUILD)/almesh-tests -sf='*certificate_samples_test.cpp'
+
+proofs: almesh python ##check proofs of small meshes of all cells and degrees, false ones refused, and of meshes (MESHES="outputs/*/final.msh")
+	tests/proofs.py --program ./almesh $(if $(QUICK),--quick) $(or $(MESHES),$(wildcard inputs/meshes/*.msh))
+run-proofs: almesh python
+	tests/proofs.py --program $(BUILD)/almesh --quick
 
 untangle: almesh ##check improve some 200 generated meshes with inverted elements (ONLY="tri-random hole")
 	$(PYTHON) tests/untangle.py $(ONLY)
