@@ -17,7 +17,7 @@
 namespace almesh {
 namespace {
 
-constexpr int most_cuts = 40, most_pieces = 20000;  // one after another, of a face or a pair
+constexpr int most_cuts = 30, most_pieces = 2000;  // one after another, of a face or a pair
 
 struct Named {
     std::array<long long, 3> name{};  // of the corners
