@@ -85,7 +85,7 @@ said       = $(if $(V),,@printf '%-5s %s\n' '$(1)' '$(2)')
         doctest python numpy asan fuzz bench compare compare-cholmod compare-gmsh compare-improve \
         cad-models cad-examples cholmod paper gauntlet generated untangle improve slurm certificates defaults \
         derivatives drift coupling calculix judges run-fast-tests run-fast-app-tests run-fast-other-tests matrix \
-        reproduce lib wheel install uninstall dist test-install run-python doors mutants check-targets figures meshes lessons readmes check-lessons student with-solutions wrong-answers animation \
+        reproduce lib wheel install uninstall dist test-install run-python doors proofs run-proofs mutants check-targets figures meshes lessons readmes check-lessons student with-solutions wrong-answers animation \
         quality clean examples help-all FORCE
 
 all: almesh ## build the program ./almesh
@@ -412,7 +412,7 @@ certificates: $(BUILD)/almesh-tests ##check the certificate beside dense samples
 
 proofs: almesh python ##check proofs of small meshes of all cells and degrees, false ones refused, and of meshes (MESHES="outputs/*/final.msh")
 	tests/proofs.py --program ./almesh $(if $(QUICK),--quick) $(or $(MESHES),$(wildcard inputs/meshes/*.msh))
-run-proofs: almesh python
+run-proofs: $(BUILD)/almesh python
 	tests/proofs.py --program $(BUILD)/almesh --quick
 
 untangle: almesh ##check improve some 200 generated meshes with inverted elements (ONLY="tri-random hole")

@@ -19,10 +19,10 @@ SRC = ROOT / "src"
 # Rooms, each of which includes only itself and those above it.
 ROOMS = {
     "base": 1576, "linalg": 4911, "mesh": 5114, "geometry": 2043, "energy": 3254, "constraint": 3797, "method": 3074,
-    "check": 2628, "io": 3796, "problem": 5512, "deck": 1612, "report": 1934, "library": 1084,
-    "app": 1414,
+    "check": 3077, "io": 3873, "problem": 5512, "deck": 1615, "report": 1939, "library": 1084,
+    "app": 1429,
 }
-MOST = {"src/ without lessons and examples": 42172, "src/examples": 900, "src/lessons": 6000, "README.md": 180,
+MOST = {"src/ without lessons and examples": 42721, "src/examples": 900, "src/lessons": 6000, "README.md": 180,
         "Newton::minimise()": 30, "include depth": 10, "a file": 490, "includes beyond the line": 14}
 # topic: most files, most lines, the files: both of `name.*` where there are two.
 TOPICS = {
@@ -35,13 +35,13 @@ TOPICS = {
                                "energy/densities.hpp energy/options.hpp "
                                "energy/element_rules.hpp base/small_matrix.hpp"),
     "prescribed positions": (5, 705, "constraint/constraint.hpp constraint/dirichlet.* constraint/trace_space.*"),
-    "driver, from main to minimise": (16, 2265, "main.cpp app/commands.hpp app/command_line.cpp app/run/run.cpp "
+    "driver, from main to minimise": (16, 2274, "main.cpp app/commands.hpp app/command_line.cpp app/run/run.cpp "
                                       "deck/make_problem.* problem/problem.* problem/solve.* method/levels.* "
                                       "method/p_norm.* method/continuation.*"),
 }
 # The line: what a program (a folder of app/) and an example may include beside its own folder. What they still include
 # of the rooms below, or of each other, is counted.
-PUBLIC = ["almesh.hpp", "app/commands.hpp", "deck/", "report/", "io/mesh_format.hpp", "io/vtk.hpp", "base/"]
+PUBLIC = ["almesh.hpp", "app/commands.hpp", "deck/", "report/", "io/mesh_format.hpp", "io/proof_file.hpp", "io/vtk.hpp", "base/"]
 MOST_OF_PROGRAM = 900
 
 

@@ -78,6 +78,7 @@ TARGETS = [
     Target("test-install", "minutes"),
     Target("wheel", "minutes", copy=["Makefile", "src", "packaging", "LICENSE", "README.md"]),
     Target("doors", settings=["DECKS=circle targets/flap"]),
+    Target("proofs", settings=["MESHES=inputs/meshes/square.msh", "QUICK=1"]),
     Target("long-tests", "minutes"),
     Target("oracle", "minutes", ["DECKS=circle"], ["numpy"]),
     Target("asan", "hours"),
