@@ -98,7 +98,7 @@ def polygons(vtk, kinds):
 def of_results(folder):
     """Draws the frames of a folder of results with one scale of colours; returns what it wrote."""
     files, series, _ = page.frame_files(folder)
-    frames, _ = page.read_frames(files[::-1][::-(-len(files) // MOST_FRAMES)][::-1])
+    frames, _, _ = page.read_frames(files[::-1][::-(-len(files) // MOST_FRAMES)][::-1])
     kinds, x = page.all_faces(frames[0][1]), np.concatenate([vtk.points for _, vtk in frames]).reshape(-1, 3)
     if np.ptp(x[:, 2]) > 0:
         raise page.PageError(f"{folder} has a mesh in space: `plot/page.py {folder}` makes a page that plays it")

@@ -41,7 +41,8 @@ TOPICS = {
 }
 # The line: what a program (a folder of app/) and an example may include beside its own folder. What they still include
 # of the rooms below, or of each other, is counted.
-PUBLIC = ["almesh.hpp", "app/commands.hpp", "deck/", "report/", "io/mesh_format.hpp", "io/proof_file.hpp", "io/vtk.hpp", "base/"]
+PUBLIC = ["almesh.hpp", "app/commands.hpp", "deck/", "report/", "io/mesh_format.hpp", "io/proof_file.hpp", "io/vtk.hpp",
+          "base/"]
 MOST_OF_PROGRAM = 900
 
 
