@@ -27,10 +27,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Or of its proof.
 bool is_ending_of_mesh(std::string_view ending) {
-    return std::any_of(std::begin(mesh_formats), std::end(mesh_formats), [&](const MeshFormat& format) {
+    const auto is_one = [&](const MeshFormat& format) {
         return ending == format.ending || ending == ending_of_final({format.ending});
-    });
+    };
+    return ending == ".proof" || ending == ".proof.msh" ||
+           std::any_of(std::begin(mesh_formats), std::end(mesh_formats), is_one);
 }
 
 // frame-0001.msh, frame-0001-1.msh, and what is told of all of them.

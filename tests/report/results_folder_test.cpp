@@ -28,7 +28,9 @@ std::vector<std::string> files_in(const std::string& folder) {
 
 TEST_CASE("a run begins with the results of the last one gone, and leaves what is not its own") {
     const RingDeck ring;
-    REQUIRE(ring.run({"iterates=1", "final=both", "expect status = converged"}).code == 0);
+    REQUIRE(ring.run({"iterates=1", "final=both", "proof=yes", "expect status = converged"}).code == 0);
+    CHECK(text_of(ring.output + "/final.proof").starts_with("almesh proof 1\n"));
+    std::ofstream(ring.output + "/frame-0001.proof.msh") << "of a frame in another format";
     std::ofstream(ring.output + "/final.msh.part4711") << "torn";
     std::ofstream(ring.output + "/notes.txt") << "mine";
     std::ofstream(ring.output + "/old-final.msh") << "mine";
