@@ -321,7 +321,7 @@ dist: ##check make almesh-VERSION.tar.gz of what is committed, which builds and 
 	  > almesh-$(VERSION).tar.gz
 	rm -rf $(BUILD)/almesh-$(VERSION)
 
-test-install: python ##check install, use, uninstall: clients for C and C++ build against what is installed alone (QEMU=1: on the baseline)
+test-install: python ##check install, use, uninstall: clients for C, C++ and Python use what is installed alone (QEMU=1: on the baseline)
 	tests/install.py $(if $(QEMU),--qemu)
 
 .SECONDARY: $(LESSON_OBJECTS)

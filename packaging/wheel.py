@@ -17,7 +17,7 @@ def main(library, version, folder):
     platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
     info, tag = f"almesh-{version}.dist-info", f"py3-none-{platform}"
     metadata = f"Metadata-Version: 2.1\nName: almesh\nVersion: {version}\nSummary: {SUMMARY}\nLicense: MIT\n" \
-               "Requires-Python: >=3.8\nProvides-Extra: numpy\nRequires-Dist: numpy; extra == 'numpy'\n" \
+               "Requires-Python: >=3.7\nProvides-Extra: numpy\nRequires-Dist: numpy; extra == 'numpy'\n" \
                "Description-Content-Type: text/markdown\n\n" + (ROOT / "README.md").read_text()
     files = {"almesh.py": (ROOT / "src/almesh.py").read_bytes(),
              "almesh.libs/libalmesh.so.0": Path(library).read_bytes(),

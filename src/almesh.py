@@ -40,9 +40,9 @@ try:
 except ImportError:
     _np = None
 
-__all__ = ["Boundary", "Cancelled", "Cells", "Error", "InputError", "Mesh", "NotCertified", "NotConverged", "Progress",
-           "Result", "UsageError", "Verdict", "from_arrays", "keys", "motions", "quantities", "read", "read_deck",
-           "version"]
+__all__ = ["Boundary", "Cancelled", "Cells", "Error", "ExpectationFailed", "InputError", "Mesh", "NotCertified",
+           "NotConverged", "Progress", "Result", "UsageError", "Verdict", "from_arrays", "keys", "motions", "quantities",
+           "read", "read_deck", "version"]
 
 Numbers = Union[Sequence[float], Sequence[Sequence[float]], Any]  # an array, or nested lists, of nodes x dim numbers
 

@@ -19,7 +19,7 @@ namespace {
 
 constexpr int most_cuts = 30, most_pieces = 2000;  // one after another, of a face or a pair
 
-struct Named {
+struct NamedPatch {
     std::array<long long, 3> name{};  // of the corners
     Patch patch;
 };
@@ -39,7 +39,7 @@ public:
         std::vector<std::string> lines(count);
         std::vector<char> is_missing(count, 0);
         std::vector<Box> boxes;
-        for (const Named& of : patches_) boxes.push_back(box_of(of.patch));
+        for (const NamedPatch& of : patches_) boxes.push_back(box_of(of.patch));
         const BoxTree tree(boxes);
         parallel_for_uneven(count, [&](int i) {
             const auto add = [&](const std::string& line, const std::optional<std::string>& cuts) {
@@ -69,14 +69,14 @@ private:
     int m_, degree_;
     PatchBasis basis_;
     std::vector<long long> name_;  // of each node: the least id of those at its place
-    std::vector<Named> patches_;
+    std::vector<NamedPatch> patches_;
 
     bool has_quadrilaterals() const {
         for (const ElementGroup& group : mesh_.face_groups())
             if (group.count > 0 && group.cell == &quadrilateral()) return true;
         return false;
     }
-    std::string names(const Named& of) const {
+    std::string names(const NamedPatch& of) const {
         std::string text;
         for (int k = 0; k <= m_; ++k) text += concat(" ", of.name[k]);
         return text;
@@ -113,7 +113,7 @@ private:
             for (const std::array<int, 3>& corner : corners_of(f)) {
                 std::vector<double>& S = maps[{&mesh_.face_cell(f), corner}];
                 if (S.empty()) S = map_of(mesh_.face_cell(f), corner);
-                Named& of = patches_.emplace_back();
+                NamedPatch& of = patches_.emplace_back();
                 for (int k = 0; k <= m_; ++k) of.name[k] = name_[mesh_.face(f)[corner[k]]];
                 const std::vector<Vec<3>> x = positions(mesh_, x_, mesh_.face(f), mesh_.face_nodes(f));
                 std::vector<Vec<3>> nodes(basis_.nodes, x[0]);
@@ -155,14 +155,14 @@ private:
 
     // The cuts after which the checker sees that the patch has no point twice, or that the two have nothing in common
     // but what their names say; nothing where there are none.
-    std::optional<std::string> cuts_of(const Named& f, const Named* g) const {
+    std::optional<std::string> cuts_of(const NamedPatch& f, const NamedPatch* g) const {
         std::string tree;
         int pieces = 0;
         const bool is_done = g ? divide_pair(f, *g, tree, pieces, 0) : divide(f, tree, pieces, 0);
         return is_done ? std::optional(tree) : std::nullopt;
     }
 
-    bool divide(const Named& f, std::string& tree, int& pieces, int depth) const {
+    bool divide(const NamedPatch& f, std::string& tree, int& pieces, int depth) const {
         if (is_monotone(f, nullptr)) return tree += '.', true;
         if (depth == most_cuts || ++pieces == most_pieces) return false;
         const int cut = longest(f);
@@ -172,7 +172,7 @@ private:
                divide_pair(a, b, tree, pieces, depth + 1);
     }
 
-    bool divide_pair(const Named& f, const Named& g, std::string& tree, int& pieces, int depth) const {
+    bool divide_pair(const NamedPatch& f, const NamedPatch& g, std::string& tree, int& pieces, int depth) const {
         if (are_apart(f, g)) return tree += '.', true;
         if (depth == most_cuts || ++pieces == most_pieces) return false;
         const int cut_f = longest(f), cut_g = longest(g), two = shared(f, g);
@@ -182,8 +182,8 @@ private:
                 tree += 'b';
                 const auto [f1, f2] = halves(f, of_f);
                 const auto [g1, g2] = halves(g, of_g);
-                for (const Named* a : {&f1, &f2})
-                    for (const Named* b : {&g1, &g2})
+                for (const NamedPatch* a : {&f1, &f2})
+                    for (const NamedPatch* b : {&g1, &g2})
                         if (!divide_pair(*a, *b, tree, pieces, depth + 1)) return false;
                 return true;
             }
@@ -199,18 +199,18 @@ private:
     std::array<int, 2> edge(int k) const {
         return m_ == 1 ? std::array{0, 1} : std::array{k == 0 ? 1 : 0, k == 2 ? 1 : 2};
     }
-    double edge_length(const Named& of, int k) const {
+    double edge_length(const NamedPatch& of, int k) const {
         return length(of.patch[edge(k)[1]] - of.patch[edge(k)[0]]);
     }
-    int longest(const Named& of) const {
+    int longest(const NamedPatch& of) const {
         int best = 0;
         for (int k = 1; k <= m_ && m_ == 2; ++k) best = edge_length(of, k) > edge_length(of, best) ? k : best;
         return best;
     }
-    std::pair<Named, Named> halves(const Named& of, int k) const {
+    std::pair<NamedPatch, NamedPatch> halves(const NamedPatch& of, int k) const {
         const auto [a, b] = edge(k);
         auto [near_a, near_b] = bisect(basis_.bernstein, of.patch, a, b);
-        std::pair<Named, Named> both{{of.name, std::move(near_a)}, {of.name, std::move(near_b)}};
+        std::pair<NamedPatch, NamedPatch> both{{of.name, std::move(near_a)}, {of.name, std::move(near_b)}};
         // Of the middle: it follows from the names of the ends, below all names in the file.
         const auto [low, high] = std::minmax(of.name[a], of.name[b]);
         const unsigned long long mixed = (static_cast<unsigned long long>(low) * 0x9e3779b97f4a7c15u +
@@ -218,22 +218,22 @@ private:
         both.first.name[b] = both.second.name[a] = -1 - static_cast<long long>((mixed ^ (mixed >> 31)) >> 2);
         return both;
     }
-    bool has(const Named& of, long long name) const {
+    bool has(const NamedPatch& of, long long name) const {
         return std::find(of.name.begin(), of.name.begin() + m_ + 1, name) != of.name.begin() + m_ + 1;
     }
-    int shared(const Named& f, const Named& g) const {
+    int shared(const NamedPatch& f, const NamedPatch& g) const {
         int count = 0;
         for (int k = 0; k <= m_; ++k) count += has(g, f.name[k]);
         return count;
     }
-    int other_corner(const Named& f, const Named& g) const {
+    int other_corner(const NamedPatch& f, const NamedPatch& g) const {
         int k = 0;
         while (has(g, f.name[k])) ++k;
         return k;
     }
 
-    bool are_apart(const Named& f, const Named& g) const;
-    bool is_monotone(const Named& f, const Named* g) const;
+    bool are_apart(const NamedPatch& f, const NamedPatch& g) const;
+    bool is_monotone(const NamedPatch& f, const NamedPatch* g) const;
 };
 
 // What may be wrong with a difference of Bezier points.
@@ -263,7 +263,7 @@ bool has_positive(const std::vector<Vec<3>>& vectors, double error) {
     return false;
 }
 
-bool Boundary::are_apart(const Named& f, const Named& g) const {
+bool Boundary::are_apart(const NamedPatch& f, const NamedPatch& g) const {
     const int common = shared(f, g);
     if (common > m_) return false;
     if (common == 2) return is_monotone(f, &g);
@@ -274,7 +274,7 @@ bool Boundary::are_apart(const Named& f, const Named& g) const {
             for (const Vec<3>& b : g.patch) vectors.push_back(a - b);
         return has_positive(vectors, error);
     }
-    const auto place = [&](const Named& of, const Named& other) {
+    const auto place = [&](const NamedPatch& of, const NamedPatch& other) {
         int k = 0;
         while (!has(other, of.name[k])) ++k;
         return k;
@@ -287,7 +287,7 @@ bool Boundary::are_apart(const Named& f, const Named& g) const {
     return has_positive(vectors, error);
 }
 
-bool Boundary::is_monotone(const Named& f, const Named* g) const {
+bool Boundary::is_monotone(const NamedPatch& f, const NamedPatch* g) const {
     const Bernstein& form = basis_.bernstein;
     const double error = error_of(f.patch);
     const auto moved = [&](MultiIndex at, int from, int to) {
@@ -299,7 +299,7 @@ bool Boundary::is_monotone(const Named& f, const Named* g) const {
     const Vec<3> u = f.patch[ends[1]] - f.patch[ends[0]];
     Vec<3> q{};
     std::vector<std::array<Vec<3>, 2>> both;  // along the edge, and away from it
-    for (const Named* of : {&f, g}) {
+    for (const NamedPatch* of : {&f, g}) {
         if (!of) continue;
         const double sign = of == g ? -1 : 1;
         const auto at = [&](int k) {

@@ -5,7 +5,7 @@
 // Derivatives of the basis are those on the reference element, the same for all elements: the density is differentiated
 // with respect to J = sum x_i (grad N_i)^T = F A instead of F, which costs nothing (density_hessian.hpp). The Hessian's
 // block of nodes i and j is a sum over the points of products of two gradients with the density's second derivatives,
-// made from moments of these (gradient_products.hpp); of cells that are no simplices, which have none, that sum itself.
+// made from moments of these (gradient_products.hpp); of other cells that sum itself, of products along a line first.
 // Points are taken in blocks, so that a tile of moments, or a block of the Hessian, stays in registers while it gathers
 // a block's share.
 #pragma once
