@@ -284,6 +284,7 @@ doors: $(SHARED) $(BUILD)/almesh python ##check meshes of decks by the module, a
 PREFIX    ?= /usr/local
 DESTDIR   ?=
 TO        := $(DESTDIR)$(PREFIX)
+no_blanks  = $(if $(word 2,$(TO)),$(error PREFIX and DESTDIR have no blanks: make would take '$(TO)' for several folders))
 CLIENTS   := src/examples/shapes.c src/examples/first.cpp src/examples/circle.cpp src/examples/ring.hpp
 INSTALLED := bin/almesh include/almesh.h include/almesh.hpp share/almesh/python/almesh.py lib/libalmesh.a lib/$(notdir $(SHARED)) lib/$(SONAME) \
              lib/libalmesh.so lib/pkgconfig/almesh.pc lib/pkgconfig/almesh-c++.pc share/man/man1/almesh.1 \
@@ -292,6 +293,7 @@ INSTALLED := bin/almesh include/almesh.h include/almesh.hpp share/almesh/python/
 # $(1): a name, what it is and how it is linked.
 pc         = printf 'Name: %s\nDescription: %s\nVersion: $(VERSION)\nCflags: -I$(PREFIX)/include\nLibs: %s\n' $(1)
 install: $(BUILD)/almesh lib ## install program, libraries, headers, manual, completion and examples (PREFIX=, DESTDIR=, PORTABLE=1)
+	$(no_blanks)
 	mkdir -p $(addprefix $(TO)/,$(sort $(dir $(INSTALLED))))
 	cp $(BUILD)/almesh $(TO)/bin/almesh
 	cp src/almesh.h src/almesh.hpp $(TO)/include/
@@ -308,6 +310,7 @@ install: $(BUILD)/almesh lib ## install program, libraries, headers, manual, com
 	sed -i 's,meshes/,,' $(TO)/share/almesh/examples/circle.deck
 
 uninstall: ## remove just what make install has put there (PREFIX=, DESTDIR=)
+	$(no_blanks)
 	rm -f $(addprefix $(TO)/,$(INSTALLED))
 	-rmdir $(addprefix $(TO)/share/almesh/,examples python .)
 

@@ -125,6 +125,9 @@ def main():
 
         run(*make, "uninstall", f"PREFIX={prefix}")
         demand(files_of(prefix) == [], f"left after uninstall: {files_of(prefix)}")
+        for goal in ("install", "uninstall"):
+            done = subprocess.run([*map(str, make), goal, f"PREFIX={work}/a b"], capture_output=True, text=True)
+            demand(done.returncode and "have no blanks" in done.stderr, f"{goal} with a blank in PREFIX")
         run(*make, "install", f"DESTDIR={work}/stage", "PREFIX=/usr")
         demand(files_of(work / "stage/usr") == installed, "DESTDIR has other files")
         demand(str(work) not in (work / "stage/usr/lib/pkgconfig/almesh.pc").read_text(), "almesh.pc has DESTDIR")
