@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <fstream>
@@ -31,6 +32,14 @@ std::string& answers() {  // folder of the decks
     return folder;
 }
 
+bool is_random = false;  // whether the exercise has asked for random numbers
+
+unsigned seed() {
+    static const char* const given = std::getenv("SEED");
+    static const unsigned value = given ? static_cast<unsigned>(std::atoi(given)) : std::random_device()() % 1000000;
+    return value;
+}
+
 // What the handler of expect_soon() reads; nobody writes it while the timer runs.
 std::string late;            // the message
 const char* file = nullptr;  // where it goes; none: standard output
@@ -51,11 +60,13 @@ std::string verdict(const Entry& exercise) {
     struct Disarm {
         ~Disarm() { set_timer(0); }
     } const disarm;
+    random_inputs() = Random(seed());
+    is_random = false;
     try {
         exercise.check();
         return "";
     } catch (const Unmet& unmet) {
-        return unmet.what();
+        return concat(unmet.what(), is_random ? concat(" (the same inputs again: SEED=", seed(), ")") : "");
     } catch (const std::bad_alloc&) {
         return "asks for more memory than it can have";
     } catch (const std::exception& error) {
@@ -89,6 +100,12 @@ void expect_soon(const std::string& otherwise) {
     late = otherwise;
     std::signal(SIGPROF, stop);
     set_timer(5);
+}
+
+Random& random_inputs() {
+    static Random numbers(0);
+    is_random = true;
+    return numbers;
 }
 
 double order_of(const std::function<double(double)>& error, double h_0, int count) {

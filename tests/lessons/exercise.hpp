@@ -10,8 +10,11 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <random>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "base/text.hpp"
 
@@ -29,6 +32,24 @@ void expect(bool holds, const Parts&... parts) {
 // |value - expected| <= tolerance max(1, |expected|); not for nan. hint: what a wrong value shows, or "".
 void expect_close(const std::string& what, double value, double expected, double tolerance,
                   const std::string& hint = "");
+
+// Inputs that nobody can guess: others at each run, the same again with SEED=N in the environment. A message that says
+// why an answer does not hold ends with the seed, where the exercise has asked for random numbers.
+class Random {
+public:
+    explicit Random(unsigned seed) : engine_(seed) {}
+    double uniform(double low, double high) { return low + (high - low) * (engine_() / 4294967296.0); }
+    double scale(double low, double high) { return std::exp(uniform(std::log(low), std::log(high))); }  // low > 0
+    int integer(int low, int high) { return low + static_cast<int>(engine_() % (high - low + 1u)); }    // both included
+    template <class T>
+    void shuffle(std::vector<T>& all) {
+        for (int i = static_cast<int>(all.size()) - 1; i > 0; --i) std::swap(all[i], all[integer(0, i)]);
+    }
+
+private:
+    std::mt19937 engine_;
+};
+Random& random_inputs();
 
 // What is said, at once, where the rest of the exercise takes more than five seconds of processor time: why a loop of
 // the student's does not end.

@@ -21,6 +21,7 @@ import argparse
 import contextlib
 import csv
 import io
+import os
 import re
 import sys
 import tempfile
@@ -269,6 +270,7 @@ def main():
     parser.add_argument("--all", action="store_true")
     parser.add_argument("lesson", nargs="*")
     options = parser.parse_args()
+    os.environ.setdefault("SEED", "1")
     build = (ROOT / options.build).resolve()
     lessons = [lesson for lesson in LESSONS if not options.lesson or lesson.name[:2] in options.lesson]
     failures = []
