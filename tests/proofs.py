@@ -12,7 +12,7 @@ import verify
 AXES = {"triangle": (1, 2), "quadrilateral": (1, 3), "tetrahedron": (1, 2, 3), "hexahedron": (1, 3, 4),
         "prism": (1, 2, 3), "pyramid": (1, 3, 4)}
 ENTRIES = {"triangle": (1, 2), "quadrilateral": (1, 3), "tetrahedron": (1, 2, 3), "hexahedron": (1, 3, 5),
-           "prism": (1, 2, 4), "pyramid": (1, 3, 4)}
+           "prism": (1, 2, 4), "pyramid": (1, 3, 5)}
 SWAP = {"triangle": (0, 1), "tetrahedron": (0, 1), "prism": (0, 1), "quadrilateral": (0, 1), "hexahedron": (0, 1),
         "pyramid": (0, 1)}
 TYPE = {of: t for t, of in verify.TYPES.items()}

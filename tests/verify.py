@@ -16,31 +16,29 @@ Format of the proof: outputs/README.md. Let phi be the map of all cells, glued a
    A pair for which this fails is cut as the proof says, and holds of all pairs of pieces.
 3. In each part of the boundary one point is in no other cell, and once in its own: so the number is 1 all along the
    inside of the boundary, 0 outside, and 0 or 1 everywhere. (A ring that goes around twice has 2 somewhere.)
-Straight simplices are compared by exact separating planes, which always exist if they have no other point in common.
 """
-import itertools, math, sys
+import functools, itertools, math, sys
 from fractions import Fraction
 
-# Gmsh's numbering: dimensions of the factors, corners in their barycentric coordinates, edges, sides seen from outside.
-P, Q, H = (0, 1), ((1, 0), (0, 1)), range
+# Gmsh's numbering: dimensions of the factors, corners in their barycentric coordinates (of a pyramid times 1 - c),
+# edges, sides seen from outside.
+H, P, Q, SQUARE = range, (0, 1), ((1, 0), (0, 1)), ((0, 0), (1, 0), (1, 1), (0, 1))
 CELLS = {
-    "line": ((1,), ((1, 0), (0, 1)), "01", ""),
+    "line": ((1,), Q, "01", ""),
     "triangle": ((2,), ((1, 0, 0), (0, 1, 0), (0, 0, 1)), "01 12 20", "01 12 20"),
-    "quadrilateral": ((1, 1), ((1, 0, 1, 0), (0, 1, 1, 0), (0, 1, 0, 1), (1, 0, 0, 1)), "01 12 23 30", "01 12 23 30"),
-    "tetrahedron": ((3,), ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)), "01 12 20 30 32 31",
+    "quadrilateral": ((1, 1), tuple(Q[a] + Q[b] for a, b in SQUARE), "01 12 23 30", "01 12 23 30"),
+    "tetrahedron": ((3,), tuple(tuple(int(i == a) for i in H(4)) for a in H(4)), "01 12 20 30 32 31",
                     "021 013 032 312"),
-    "hexahedron": ((1, 1, 1), tuple(Q[a] + Q[b] + Q[c] for c in P for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))),
+    "hexahedron": ((1, 1, 1), tuple(Q[a] + Q[b] + Q[c] for c in P for a, b in SQUARE),
                    "01 03 04 12 15 23 26 37 45 47 56 67", "0321 0154 0473 1265 2376 4567"),
     "prism": ((2, 1), tuple(tuple(int(i == a) for i in H(3)) + Q[c] for c in P for a in H(3)),
               "01 02 03 12 14 25 34 35 45", "021 345 0143 0352 1254"),
-    "pyramid": ((1, 1, 1), ((1, 0, 1, 0, 0), (0, 1, 1, 0, 0), (0, 1, 0, 1, 0), (1, 0, 0, 1, 0), (0, 0, 0, 0, 1)),
+    "pyramid": ((1, 1, 1), tuple(Q[a] + Q[b] + (1, 0) for a, b in SQUARE) + ((0, 0, 0, 0, 0, 1),),
                 "01 03 04 12 14 23 24 34", "014 304 124 234 0321")}
-GMSH = {1: "line", 2: "triangle", 3: "quadrilateral", 4: "tetrahedron", 5: "hexahedron", 6: "prism", 7: "pyramid"}
-TYPES = {t: (GMSH[k], p + 1) for k, row in {
-    1: (1, 8, 26, 27), 2: (2, 9, 21, 23), 3: (3, 10, 36, 37), 4: (4, 11, 29, 30), 5: (5, 12, 92, 93),
-    6: (6, 13, 90, 91), 7: (7, 14, 118, 119)}.items() for p, t in enumerate(row)}
+TYPES = {t: (cell, p + 1) for p, row in enumerate(((1, 2, 3, 4, 5, 6, 7), (8, 9, 10, 11, 12, 13, 14),
+                                                  (26, 21, 36, 29, 92, 90, 118), (27, 23, 37, 30, 93, 91, 119)))
+         for cell, t in zip(CELLS, row)}
 VTK = {3: "line", 5: "triangle", 9: "quadrilateral", 10: "tetrahedron", 12: "hexahedron", 13: "prism", 14: "pyramid"}
-corners_of = lambda word: [int(v) for v in word]
 
 
 class Refused(Exception):
@@ -52,49 +50,57 @@ def check(is_true, why):
 
 
 # ---- Polynomials: {exponents: coefficient}, homogeneous in the barycentric coordinates of each factor.
-def times(a, b):
-    product = {}
-    for e, x in a.items():
-        for f, y in b.items():
-            g = tuple(map(sum, zip(e, f)))
-            product[g] = product.get(g, 0) + x * y
-    return product
+dot = lambda u, v: u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
+minus = lambda u, v: (u[0] - v[0], u[1] - v[1], u[2] - v[2])
+plus = lambda u, v: tuple(map(int.__add__, u, v))
+cross = lambda u, v: (u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0])
+moved = lambda e, a, b: tuple(k - (i == a) + (i == b) for i, k in enumerate(e))
+mixed = lambda weights, points: tuple(sum(w * x for w, x in zip(weights, column)) for column in zip(*points))
+multinomial = lambda e: math.factorial(sum(e)) // math.prod(map(math.factorial, e))
+combination = lambda row, x: mixed(row.values(), [x[i] for i in row])
 
 
+@functools.cache
 def lattice(cell, p):
     """Nodes of degree p in Gmsh's order: corners, edges, sides, inside; p times their barycentric coordinates."""
     factors, corners, edges, sides = CELLS[cell]
     if p == 0: return [(0,) * len(corners[0])]
-    at = lambda c, w: tuple(sum(x * y for x, y in zip(w, column)) for column in zip(*c))
-    nodes = [at([c], [p]) for c in corners]
-    nodes += [at([corners[int(v)] for v in e], (p - s, s)) for e in edges.split() for s in H(1, p)]
+    nodes = [mixed([p], [c]) for c in corners]
+    nodes += [mixed((p - s, s), [corners[int(v)] for v in edge]) for edge in edges.split() for s in H(1, p)]
     for side in sides.split() if sum(factors) == 3 else ():
-        face, lower = ("triangle", p - 3) if len(side) == 3 else ("quadrilateral", p - 2)
-        c = [corners[int(v)] for v in side]
-        for i in lattice(face, lower) if lower >= 0 else ():
-            i = [k + 1 for k in i]
-            if len(side) == 3: nodes.append(at(c, i))
-            else: nodes.append(at((c[0], c[1], c[3]), (p - i[1] - i[3], i[1], i[3])))
-    if cell == "prism": inner = [a + b for a in lattice("triangle", p - 3) for b in lattice("line", p - 2)] if p > 2 else []
-    else:
-        lower = p - (3 if cell == "pyramid" else factors[0] + 1)
-        inner = lattice(cell, lower) if lower >= 0 and cell != "line" else []
-    return nodes + [tuple(k + 1 for k in i) for i in inner]
+        face = "triangle" if len(side) == 3 else "quadrilateral"
+        nodes += [on_side(cell, side, i) for i in inner(face, p)]
+    return nodes + (inner(cell, p) if cell != "line" else [])
 
 
+def inner(cell, p):
+    if cell == "prism": return [a + b for a in inner("triangle", p) for b in inner("line", p)]
+    lower = p - (3 if cell == "pyramid" else CELLS[cell][0][0] + 1)
+    one = (1, 1, 1, 1, 2, 1) if cell == "pyramid" else (1,) * len(CELLS[cell][1][0])
+    return [plus(i, one) for i in lattice(cell, lower)] if lower >= 0 else []
+
+
+def on_side(cell, side, i):
+    """The node of the cell with the barycentric coordinates i on its side."""
+    corners = [CELLS[cell][1][int(v)] for v in side]
+    return mixed(i if len(side) < 4 else (i[0] - i[3], i[1], 0, i[3]), corners)
+
+
+@functools.cache
 def shapes(cell, p):
     """The Lagrange functions of degree p, one polynomial for each node. Those of a pyramid on the cube."""
     if cell == "pyramid": return pyramid_shapes(p)
-    factors, functions = CELLS[cell][0], []
-    width = sum(factors) + len(factors)
-    unit = lambda k: tuple(int(i == k) for i in H(width))
+    functions, width = [], len(CELLS[cell][1][0])
     for node in lattice(cell, p):
         N, first = {(0,) * width: Fraction(1)}, 0
-        for m in factors:
-            own = H(first, first + m + 1)
-            for k in own:
-                for j in H(node[k]): N = times(N, {unit(i): Fraction(p * (i == k) - j, j + 1) for i in own})
-            first += m + 1
+        for m in CELLS[cell][0]:
+            own = H(first, first := first + m + 1)
+            for k, j in ((k, j) for k in own for j in H(node[k])):
+                product = {}
+                for (e, w), i in itertools.product(N.items(), own):
+                    g = moved(e, -1, i)
+                    product[g] = product.get(g, 0) + w * Fraction(p * (i == k) - j, j + 1)
+                N = product
         functions.append(N)
     return functions
 
@@ -102,21 +108,17 @@ def shapes(cell, p):
 def pyramid_shapes(p):
     """Spanned by (1 - c)^(p - k) c^k a0^i a1^(m - i) b0^j b1^(m - j), m = p - k, raised to degree p in a and b."""
     basis = [(k, i, j) for k in H(p + 1) for i in H(p - k + 1) for j in H(p - k + 1)]
-    rows = []
-    for a0, a1, b0, b1, c in lattice("pyramid", p):
-        m = max(p - c, 1)
-        a0, b0, c = (Fraction(a0, m), Fraction(b0, m), Fraction(c, p)) if c < p else (Fraction(1), Fraction(1), Fraction(1))
-        rows.append([(1 - c) ** (p - k) * c ** k * a0 ** i * (1 - a0) ** (p - k - i) * b0 ** j * (1 - b0) ** (p - k - j)
-                     for k, i, j in basis])
-    n = len(rows)
-    table = [row + [Fraction(int(r == s)) for s in H(n)] for r, row in enumerate(rows)]
-    for k in H(n):  # its inverse: function s has the coefficients table[.][n + s]
+    table, functions = [], []
+    for r, (a0, a1, b0, b1, c0, c) in enumerate(lattice("pyramid", p)):
+        a0, a1, b0, b1 = (Fraction(x, max(c0, 1)) for x in (a0, a1, b0, b1))
+        row = [c0 ** (p - k) * c ** k * a0 ** i * a1 ** (p - k - i) * b0 ** j * b1 ** (p - k - j) for k, i, j in basis]
+        table.append([x / Fraction(p) ** p for x in row] + [Fraction(int(r == s)) for s in H(len(basis))])
+    for k in H(n := len(basis)):  # its inverse: function s has the coefficients table[.][n + s]
         pivot = next(r for r in H(k, n) if table[r][k] != 0)
         table[k], table[pivot] = table[pivot], table[k]
         table[k] = [x / table[k][k] for x in table[k]]
         for r in H(n):
             if r != k and table[r][k] != 0: table[r] = [x - table[r][k] * y for x, y in zip(table[r], table[k])]
-    functions = []
     for s in H(n):
         N = {}
         for row, (k, i, j) in zip(table, basis):
@@ -128,141 +130,108 @@ def pyramid_shapes(p):
 
 
 def whole(rows):
-    """Rows of fractions {node: weight} as lists of whole numbers, all multiplied by the same one."""
+    """Rows of fractions {node: weight} with whole numbers, all multiplied by the same one."""
     scale = math.lcm(1, *(w.denominator for row in rows for w in row.values()))
-    return scale, [[(i, int(w * scale)) for i, w in row.items() if w != 0] for row in rows]
+    return scale, [{i: int(w * scale) for i, w in row.items() if w != 0} for row in rows]
 
 
 class Cell:
     """Of one type and degree: derivatives, sides, and Bernstein coefficients from nodes."""
     def __init__(self, cell, p):
         self.name, self.degree, (factors, corners, _, sides) = cell, p, CELLS[cell]
-        self.dim, functions, first, self.factors, derivatives = sum(factors), shapes(cell, p), 0, [], []
+        functions, first, self.factors, self.derivatives = shapes(cell, p), 0, [], []
         for m in factors:
-            self.factors.append(H(first, first + m + 1))
-            for k in H(first + 1, first + m + 1):  # by barycentric coordinate k, the first of the factor falls
+            self.factors.append(H(first, first := first + m + 1))
+            zero = self.factors[-1][0]
+            for k in self.factors[-1][1:]:  # by barycentric coordinate k, the first of the factor falls
                 rows = {}
                 for i, N in enumerate(functions):
-                    for (e, w), (of, sign) in itertools.product(N.items(), ((k, 1), (first, -1))):
-                        if e[of]:
-                            g = e[:of] + (e[of] - 1,) + e[of + 1:]
-                            if cell == "pyramid" and first < 4: g = g[:4] + (g[4] - 1, g[5])  # divided by 1 - c
-                            rows.setdefault(g, {})[i] = rows.get(g, {}).get(i, 0) + sign * e[of] * w
+                    for (e, w), (of, sign) in itertools.product(N.items(), ((k, 1), (zero, -1))):
+                        g = moved(moved(e, of, -1), 4 if cell == "pyramid" and zero < 4 else -1, -1)  # divided by 1 - c
+                        if e[of]: rows.setdefault(g, {})[i] = rows.get(g, {}).get(i, 0) + sign * e[of] * w
                 rows = {g: row for g, row in rows.items() if any(row.values())}
-                derivatives.append((list(rows), whole(list(rows.values()))[1]))
-            first += m + 1
-        self.derivatives = derivatives
-        exponents = sorted({e for N in functions for e in N})
-        scale = [math.prod(multinomial([e[k] for k in f]) for f in self.factors) for e in exponents]
-        rows = [{i: N[e] / s for i, N in enumerate(functions) if e in N} for e, s in zip(exponents, scale)]
-        self.exponents, (self.scale, self.rows) = exponents, whole(rows)
+                self.derivatives.append(list(zip(rows, whole(list(rows.values()))[1])))
+        self.exponents = sorted({e for N in functions for e in N})
+        self.scale, self.rows = whole([{i: N[e] / self.multinomials(e) for i, N in enumerate(functions) if e in N}
+                                       for e in self.exponents])
         place = {node: i for i, node in enumerate(lattice(cell, p))}
-        self.sides = []
-        for side in sides.split():
-            c = [corners[v] for v in corners_of(side)]
-            face = {2: "line", 3: "triangle", 4: "quadrilateral"}[len(c)]
-            at = []
-            for i in lattice(face, p):
-                w = i if len(c) < 4 else (p - i[1] - i[3], i[1], 0, i[3])
-                at.append(place[tuple(sum(x * y for x, y in zip(w, column)) for column in zip(*c))])
-            self.sides.append((face, at))
+        self.sides = [(face := ("line", "triangle", "quadrilateral")[len(side) - 2],
+                       [place[on_side(cell, side, i)] for i in lattice(face, p)]) for side in sides.split()]
+
+    def multinomials(self, e):
+        return math.prod(multinomial([e[k] for k in f]) for f in self.factors)
 
     def bernstein(self, x):
         return {e: combination(row, x) for e, row in zip(self.exponents, self.rows)}
 
     def determinant(self, x):
-        """Of D phi: the Bernstein coefficients, up to positive factors."""
-        d = [(e, [combination(row, x) for row in rows]) for e, rows in self.derivatives]
-        n, result = {}, {}
-        for (e, u), (f, v) in itertools.product(zip(*d[0]), zip(*d[1])):
-            g = tuple(map(int.__add__, e, f))
-            if self.dim == 2: n[g] = n.get(g, 0) + u[0] * v[1] - u[1] * v[0]
-            else:
-                a, b, c = n.get(g, (0, 0, 0))
-                n[g] = (a + u[1] * v[2] - u[2] * v[1], b + u[2] * v[0] - u[0] * v[2], c + u[0] * v[1] - u[1] * v[0])
-        if self.dim == 2: return n
-        for (e, u), (f, v) in itertools.product(n.items(), zip(*d[2])):
-            g = tuple(map(int.__add__, e, f))
-            result[g] = result.get(g, 0) + u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
-        return result
-
-
-multinomial = lambda e: math.factorial(sum(e)) // math.prod(map(math.factorial, e))
-
-
-def combination(row, x):
-    a = b = c = 0
-    for i, w in row:
-        y = x[i]
-        a += w * y[0]
-        b += w * y[1]
-        c += w * y[2]
-    return (a, b, c)
+        """The Bernstein coefficients of det D phi, up to a positive factor of all."""
+        d = [[(e, combination(row, x)) for e, row in rows] for rows in self.derivatives]
+        d += [[((0,) * len(self.exponents[0]), (0, 0, 1))]] if len(d) == 2 else []
+        normal, det = {}, {}
+        for (e, u), (f, v) in itertools.product(d[0], d[1]):
+            normal[g] = plus(normal.get(g := plus(e, f), (0, 0, 0)), cross(u, v))
+        for (e, n), (f, v) in itertools.product(normal.items(), d[2]):
+            det[g] = det.get(g := plus(e, f), 0) + dot(n, v)
+        common = math.lcm(*(scales := [self.multinomials(e) for e in det]))
+        return {e: (a * (common // s),) for (e, a), s in zip(det.items(), scales)}
 
 
 def half(form, a, b):
     """On the half beside corner a, the middle of the edge in place of corner b; times 2^degree."""
     degree = max(e[a] + e[b] for e in form)
-    result = {}
-    for e in form:
-        i, j, sums = e[a], e[b], []
-        for t in H(j + 1):
-            f = list(e)
-            f[a], f[b] = i + j - t, t
-            sums.append((math.comb(j, t) << (degree - j), form[tuple(f)]))
-        result[e] = (tuple(sum(w * x[k] for w, x in sums) for k in H(3)) if isinstance(form[e], tuple)
-                     else sum(w * x for w, x in sums))
-    return result
+    at = lambda e, t: form[tuple(e[a] + e[b] - t if i == a else t if i == b else k for i, k in enumerate(e))]
+    return {e: mixed([math.comb(e[b], t) << (degree - e[b]) for t in H(e[b] + 1)], [at(e, t) for t in H(e[b] + 1)])
+            for e in form}
 
 
 # ---- Files
+take = lambda words, count: [next(words) for _ in H(count)]
+
+
+def section(text, name):
+    check(f"${name}" in text, f"the mesh has no ${name}")
+    return iter(text.partition(f"${name}")[2].partition(f"$End{name}")[0].split())
+
+
 def read_mesh(text):
-    """Coordinates as fractions by node, and cells [(id, name, degree, nodes)]."""
-    lines, nodes, cells = text.split("\n"), {}, []
-    sections = {line.strip(): i for i, line in enumerate(lines) if line.startswith("$")}
-    if "$MeshFormat" not in sections: return read_su2(lines)
-    check(lines[sections["$MeshFormat"] + 1].split()[:2] in (["2.2", "0"], ["4.1", "0"]), "not MSH 2.2 or 4.1 in text")
-    is_41 = lines[sections["$MeshFormat"] + 1].startswith("4")
-    at = sections["$Nodes"] + 1
-    if is_41:
-        for _ in H(int(lines[at].split()[0])):
-            count = int(lines[at + 1].split()[3])
-            for k in H(count): nodes[int(lines[at + 2 + k])] = tuple(lines[at + 2 + count + k].split()[:3])
-            at += 1 + 2 * count
-    else:
-        for line in lines[at + 1:at + 1 + int(lines[at])]:
-            word = line.split()
-            nodes[int(word[0])] = tuple(word[1:4])
-    at = sections["$Elements"] + 1
-    blocks = H(int(lines[at].split()[0])) if is_41 else H(1)
-    for _ in blocks:
-        if is_41: at, (_, _, kind, count), skip = at + 1, map(int, lines[at + 1].split()), 1
-        else: kind, count = None, int(lines[at])
-        for line in lines[at + 1:at + 1 + count]:
-            word = list(map(int, line.split()))
-            of, skip = (kind, 1) if is_41 else (word[1], 3 + word[2])
-            if of != 15:
-                check(of in TYPES, f"elements of type {of}")
-                cells.append((word[0], *TYPES[of], tuple(word[skip:])))
-        at += count
+    """Coordinates as words by node, and cells [(id, name, degree, nodes)]."""
+    if "$MeshFormat" not in text: return read_su2(text)
+    nodes, cells, counts, words = {}, [], {15: 1}, section(text, "MeshFormat")
+    version = take(words, 2)
+    check(version in (["2.2", "0"], ["4.1", "0"]), "not MSH 2.2 or 4.1 in text")
+    is_41, words = version[0] == "4.1", section(text, "Nodes")
+    for _ in H(int(take(words, 4)[0]) if is_41 else 1):
+        dim, _, is_parametric, count = map(int, take(words, 4)) if is_41 else (0, 0, 0, next(words))
+        ids = take(words, count) if is_41 else ()
+        for k in H(int(count)):
+            id_ = int(ids[k] if is_41 else next(words))
+            nodes[id_] = take(words, 3 + dim * is_parametric)[:3]
+    words = section(text, "Elements")
+    for _ in H(int(take(words, 4)[0]) if is_41 else 1):
+        _, _, kind, count = map(int, take(words, 4)) if is_41 else (0, 0, 0, next(words))
+        for _ in H(int(count)):
+            id_, of = int(next(words)), kind or int(next(words))
+            if not is_41: take(words, int(next(words)))
+            check(of in TYPES or of == 15, f"elements of type {of}")
+            if of not in counts: counts[of] = len(lattice(*TYPES[of]))
+            own = tuple(map(int, take(words, counts[of])))
+            if of != 15: cells.append((id_, *TYPES[of], own))
     return nodes, cells
 
 
-def read_su2(lines):
-    nodes, cells, at = {}, [], 0
-    lines = [line for line in (line.split("%")[0].strip() for line in lines) if line]
-    for k, line in enumerate(lines):
-        key, _, value = line.replace(" ", "").partition("=")
+def read_su2(text):
+    nodes, cells, dim = {}, [], 3
+    lines = iter([line for line in (line.split("%")[0].strip() for line in text.split("\n")) if line])
+    for line in lines:
+        key, _, value = map(str.strip, line.partition("="))
         if key == "NDIME": dim = int(value)
         if key == "NPOIN":
-            for i in H(int(line.split("=")[1].split()[0])):
-                word = lines[k + 1 + i].split()
-                nodes[i] = tuple(word[:dim]) + ("0",) * (3 - dim)
+            for i in H(int(value.split()[0])): nodes[i] = next(lines).split()[:dim] + ["0"] * (3 - dim)
         if key == "NELEM":
             for i in H(int(value)):
-                word = list(map(int, lines[k + 1 + i].split()))
-                name = VTK[word[0]]
-                cells.append((i, name, 1, tuple(word[1:1 + len(CELLS[name][1])])))
+                kind, *own = map(int, next(lines).split())
+                cells.append((i, VTK[kind], 1, tuple(own[:len(CELLS[VTK[kind]][1])])))
     return nodes, cells
 
 
@@ -278,7 +247,7 @@ def read_proof(text, mesh):
     head = dict(line.partition(" ")[::2] for line in lines[1:4])
     check(lines[0] == "almesh proof 1" and lines[-2:] == [f"end {len(lines) - 1}", ""] and
           list(head) == ["version", "hash", "elements"], "the proof is not whole")
-    check(head.get("hash") == fnv(mesh), "the proof is of another mesh: the hash differs")
+    check(head["hash"] == fnv(mesh), "the proof is of another mesh: the hash differs")
     trees = {}
     for line in lines[4:-2]:
         *key, tree = line.split(" ")
@@ -289,18 +258,11 @@ def read_proof(text, mesh):
 
 
 # ---- Patches of the boundary: (names of the corners, Bernstein points)
-dot = lambda u, v: u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
-minus = lambda u, v: (u[0] - v[0], u[1] - v[1], u[2] - v[2])
-cross = lambda u, v: (u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0])
-moved = lambda e, k, by: e[:k] + (e[k] + by,) + e[k + 1:]
-
-
 def patch_rows(face, p, corners, d):
     """Of the triangle (in 2D the line) with these corners of a face of degree p, as one of degree d."""
-    simplex = "line" if face == "line" else "triangle"
-    weights, at, rows = shapes(simplex, d), [CELLS[face][1][v] for v in corners], {}
-    for i, N in zip(lattice(simplex, d), weights):
-        x = [Fraction(sum(a * b for a, b in zip(i, column)), d) for column in zip(*at)]
+    simplex, rows = "line" if face == "line" else "triangle", {}
+    for i, N in zip(lattice(simplex, d), shapes(simplex, d)):
+        x = [Fraction(y, d) for y in mixed(i, [CELLS[face][1][v] for v in corners])]
         for node, function in enumerate(shapes(face, p)):
             value = sum(w * math.prod(y ** k for y, k in zip(x, e)) for e, w in function.items())
             for e, w in N.items() if value else ():
@@ -309,51 +271,43 @@ def patch_rows(face, p, corners, d):
     return list(rows), list(rows.values())
 
 
-def direction(v):
-    """As floating-point numbers of length 1: they choose a vector, whole numbers decide."""
-    largest = max(map(abs, v)) or 1
-    w = [x / largest for x in v]
-    size = math.sqrt(dot(w, w)) or 1
-    return [x / size for x in w]
+def axis_of(some):
+    """With the same product with all of at most three, positive; zero where there is none."""
+    if len(some) == 1: return some[0]
+    *two, third = some if len(some) == 3 else (*some, cross(*some))
+    dual = [cross(two[1], third), cross(third, two[0]), cross(*two)][:len(some)]
+    return mixed([1 if dot(two[0], dual[0]) > 0 else -1] * len(dual), dual)
 
 
-def has_positive(vectors):
-    """Whether some vector has a positive product with all (perceptron algorithm)."""
-    units = [direction(v) for v in vectors]
-    d = [sum(column) for column in zip(*units)]
-    for _ in H(100):
-        least = min(units, key=lambda v: dot(v, d))
-        if dot(least, d) > 1e-6 * math.sqrt(dot(d, d)):
-            d = [round(x * 2 ** 40) for x in d]
-            return all(dot(v, d) > 0 for v in vectors)
-        d = [a + b for a, b in zip(d, least)]
+def half_space_of(vectors):
+    """Of at most four: the largest of their least products with some d, over |d|; d; those that have the least."""
+    length = lambda d: math.isqrt(dot(d, d)) + 1
+    all_d = [(axis_of(some), some) for k in (1, 2, 3) for some in itertools.combinations(vectors, k)]
+    return max((min((dot(d, v) << 100) // length(d) for v in vectors), d, some) for d, some in all_d)
+
+
+def has_positive(least):
+    """Whether some vector has a positive product with all of a set; least(d): the one with the least product with d.
+    The point of their convex hull that is nearest to zero, by the algorithm of Gilbert, Johnson and Keerthi."""
+    d, support = least((0, 0, 0)), ()
+    for _ in H(60):
+        v = least(d)
+        if dot(d, v) > 0: return True
+        best, d, support = half_space_of((*support, v))
+        if best <= 0: return False
     return False
 
 
-def planes(edges, is_2d):
-    """Normals of the planes, among which there is one between straight simplices with these edges."""
-    if is_2d: return [(-y, x, 0) for x, y, _ in edges] + edges
-    normals = [n for u, v in itertools.combinations(edges, 2) if any(n := cross(u, v))]
-    return normals + [cross(n, u) for n in normals for u in edges] + edges
-
-
-def cones_apart(f, g, axes):
-    """Whether planes through the origin have the one on one side, the other on the other, then what lies in them."""
-    for axis in axes:
-        of_f, of_g = [dot(axis, v) for v in f], [dot(axis, v) for v in g]
-        for s in (1, -1):
-            if all(s * x >= 0 for x in of_f) and all(s * x <= 0 for x in of_g) and any(of_f + of_g):
-                f, g = [v for v, x in zip(f, of_f) if x == 0], [v for v, x in zip(g, of_g) if x == 0]
-                return not f or not g or cones_apart(f, g, axes)
-    return False
+def farthest(points, d):
+    return min(points, key=lambda x: dot(d, x))
 
 
 def tangents(form, a, b, c):
     """By the edge from corner a to b, and from its middle to corner c, twice."""
-    for e in form:
+    for e, x in form.items():
         if e[a]:
-            x, y, z = form[e], form[moved(moved(e, a, -1), b, 1)], form[moved(moved(e, a, -1), c, 1)]
-            yield minus(y, x), (2 * z[0] - x[0] - y[0], 2 * z[1] - x[1] - y[1], 2 * z[2] - x[2] - y[2])
+            y, z = form[moved(e, a, b)], form[moved(e, a, c)]
+            yield minus(y, x), minus(minus(z, x), minus(y, z))
 
 
 def corner(form, k):
@@ -362,51 +316,44 @@ def corner(form, k):
 
 def is_monotone(F, G=None):
     """F, with what it shares with G: the argument of a common edge."""
-    (names, form), ends = F, (0, 1)
-    if len(names) == 2: return all(dot(minus(corner(form, 1), corner(form, 0)), minus(form[moved(moved(e, 0, -1), 1, 1)],
-                                                                           form[e])) > 0 for e in form if e[0])
-    if G: ends = tuple(k for k in H(3) if names[k] in G[0])
-    a, b = ends
-    u, inward, both = minus(corner(form, b), corner(form, a)), [], []
-    for of, sign in ((F, 1), (G, -1)) if G else ((F, 1),):
-        i, j = of[0].index(names[a]), of[0].index(names[b])
-        both += [(e, f if sign > 0 else tuple(-x for x in f)) for e, f in tangents(of[1], i, j, 3 - i - j)]
-        f = minus(corner(of[1], 3 - i - j), corner(of[1], i))
-        f = tuple(x * dot(u, u) - y * dot(u, f) for x, y in zip(f, u))
-        inward.append([sign * x for x in direction(f)])
-    q = [round(sum(column) * 2 ** 40) for column in zip(*inward)]
-    least = min(dot(u, e) for e, _ in both), min(dot(q, f) for _, f in both)
-    return min(least) > 0 and least[0] * least[1] > (max(abs(dot(u, f)) for _, f in both) *
-                                                     max(abs(dot(q, e)) for e, _ in both))
+    (names, form), inward, along, away = F, [], [], []
+    if len(names) == 2: return all(dot(minus(corner(form, 1), corner(form, 0)), minus(form[moved(e, 0, 1)], x)) > 0
+                                   for e, x in form.items() if e[0])
+    a, b = [name for name in names if name in G[0]] if G else names[:2]
+    u = minus(corner(form, names.index(b)), corner(form, names.index(a)))
+    for (names, form), sign in ((F, 1), (G, -1)) if G else ((F, 1),):
+        i, j = names.index(a), names.index(b)
+        of_edge, of_middle = zip(*tangents(form, i, j, 3 - i - j))
+        f = minus(corner(form, 3 - i - j), corner(form, i))
+        inward.append(mixed((sign * dot(u, u), -sign * dot(u, f)), (f, u)))
+        along += of_edge
+        away.append([mixed((sign,), (f,)) for f in of_middle])
+    sizes = [math.isqrt(dot(f, f) << 100) for f in inward]  # the heights of the two reference triangles are free
+    by_other = [[mixed((size,), (f,)) for f in some] for size, some in zip(sizes[::-1], away)] if G else away
+    away = [f for some in by_other for f in some]
+    q = half_space_of([mixed((size,), (f,)) for size, f in zip(sizes[::-1], inward)])[1]
+    least = min(dot(u, e) for e in along), min(dot(q, f) for f in away)
+    most = max(abs(dot(u, f)) for f in away), max(abs(dot(q, e)) for e in along)
+    return min(least) > 0 and least[0] * least[1] > most[0] * most[1]
 
 
-def edge_points(P, names):
-    a, b = (P[0].index(name) for name in names)
+def edge_points(P, a, b):
+    a, b = P[0].index(a), P[0].index(b)
     return [x for _, x in sorted((e[b], x) for e, x in P[1].items() if e[a] + e[b] == sum(e))]
 
 
 def are_apart(F, G):
     """Whether they have nothing in common but the corners and edges that their names say."""
     (names, f), (others, g) = F, G
-    shared = [name for name in names if name in others]
-    degree, m = sum(next(iter(f))), len(names) - 1
-    if len(shared) > m or (len(shared) == 2 and edge_points(F, shared) != edge_points(G, shared)): return False
-    if degree > 1 and len(shared) == 2: return is_monotone(F, G)
+    shared, degree = [name for name in names if name in others], sum(next(iter(f)))
+    if len(shared) == len(names): return False
+    if len(shared) == 2: return edge_points(F, *shared) == edge_points(G, *shared) and is_monotone(F, G)
     if not shared:
-        if degree > 1: return has_positive([minus(x, y) for x in f.values() for y in g.values()])
-        x, y = list(f.values()), list(g.values())
-        edges = [minus(a, b) for of in (x, y) for a, b in itertools.combinations(of, 2)]
-        for axis in planes(edges, m == 1):
-            of_x, of_y = [dot(axis, v) for v in x], [dot(axis, v) for v in y]
-            if min(of_x) > max(of_y) or min(of_y) > max(of_x): return True
-        return False
-    origin = corner(f, names.index(shared[0]))
-    f, g = ([minus(corner(of, k), origin) for k in H(m + 1) if name[k] not in shared] if degree == 1 else
-            [minus(x, origin) for e, x in of.items() if e[name.index(shared[0])] < degree] for name, of in (F, G))
-    if degree > 1: return has_positive(f + [tuple(-a for a in y) for y in g])
-    fixed = [minus(corner(F[1], names.index(name)), origin) for name in shared[1:]]
-    axes = planes(f + g + fixed, m == 1)
-    return cones_apart(f, g, [axis for axis in axes if not any(dot(axis, v) for v in fixed)])
+        return has_positive(lambda d: minus(farthest(f.values(), d), farthest(g.values(), (-d[0], -d[1], -d[2]))))
+    o = corner(f, names.index(shared[0]))
+    away = [minus(x, o) for e, x in f.items() if e[names.index(shared[0])] < degree]
+    away += [minus(o, x) for e, x in g.items() if e[others.index(shared[0])] < degree]
+    return has_positive(lambda d: farthest(away, d))
 
 
 # ---- The claims
@@ -419,7 +366,7 @@ def holds(claim, tree, *of):
 
 def is_positive(form, tree):
     step = next(tree, None)
-    if step == ".": return all(x > 0 for x in form.values())
+    if step == ".": return all(x > 0 for x, in form.values())
     a, b = int(step), int(next(tree))
     return is_positive(half(form, a, b), tree) and is_positive(half(form, b, a), tree)
 
@@ -427,27 +374,25 @@ def is_positive(form, tree):
 def halves(P, k):
     """A patch cut at the edge opposite corner k, a line in its middle."""
     names, form = P
-    if k not in (H(3) if len(names) == 3 else (0,)): raise ValueError
-    a, b = [i for i in H(3) if i != k] if len(names) == 3 else (0, 1)
+    a, b = {3: {0: (1, 2), 1: (0, 2), 2: (0, 1)}, 2: {0: (0, 1)}}[len(names)][k]
     middle = "(%s,%s)" % tuple(sorted((names[a], names[b])))
     change = lambda at: names[:at] + (middle,) + names[at + 1:]
     return (change(b), half(form, a, b)), (change(a), half(form, b, a))
 
 
 def scaled(P):
-    factor = 1 << sum(next(iter(P[1])))
-    return P[0], {e: tuple(factor * a for a in x) for e, x in P[1].items()}
+    return P[0], {e: tuple(x << sum(e) for x in at) for e, at in P[1].items()}
 
 
 def prove_apart(F, G, tree):
     step = next(tree, None)
     if step == ".": return are_apart(F, G)
     if step == "b":
-        cut = [halves(P, next(k for k in H(3) if P[0][k] not in other[0])) for P, other in ((F, G), (G, F))]
-        return all([prove_apart(f, g, tree) for f in cut[0] for g in cut[1]])
-    k = int(step)
-    if k < 3: return all([prove_apart(f, scaled(G), tree) for f in halves(F, k)])
-    return all([prove_apart(scaled(F), g, tree) for g in halves(G, k - 3)])
+        of_F, of_G = [halves(P, next(k for k in H(3) if P[0][k] not in other[0])) for P, other in ((F, G), (G, F))]
+    else:
+        of_F = halves(F, int(step)) if int(step) < 3 else [scaled(F)]
+        of_G = halves(G, int(step) - 3) if int(step) >= 3 else [scaled(G)]
+    return all([prove_apart(f, g, tree) for f in of_F for g in of_G])
 
 
 def prove_face(F, tree):
@@ -457,63 +402,43 @@ def prove_face(F, tree):
     return all([prove_face(f, tree), prove_face(g, tree), prove_apart(f, g, tree)])
 
 
-def overlapping(boxes):
-    """Pairs of boxes that overlap, by dividing them at a plane again and again."""
-    todo, pairs = [(list(H(len(boxes))), 0)], set()
-    while todo:
-        items, depth = todo.pop()
-        axis = max(H(3), key=lambda a: max(boxes[i][1][a] for i in items) - min(boxes[i][0][a] for i in items)) if items else 0
-        middle = sorted(boxes[i][0][axis] + boxes[i][1][axis] for i in items)[len(items) // 2] if items else 0
-        low, high = ([i for i in items if 2 * boxes[i][0][axis] <= middle], [i for i in items if 2 * boxes[i][1][axis] >= middle])
-        if len(items) > 12 and max(len(low), len(high)) < 0.9 * len(items):
-            todo += [(low, depth + 1), (high, depth + 1)]
-            continue
-        for i, j in itertools.combinations(items, 2):
-            (a, b), (c, d) = boxes[i], boxes[j]
-            if a[0] <= d[0] and c[0] <= b[0] and a[1] <= d[1] and c[1] <= b[1] and a[2] <= d[2] and c[2] <= b[2]:
-                pairs.add((i, j) if i < j else (j, i))
-    return sorted(pairs)
-
-
 def box(points):
     columns = list(zip(*points))
     return tuple(map(min, columns)), tuple(map(max, columns))
 
 
-def is_once(kind, form):
-    """Whether on this piece of a cell no two points fall together: its Jacobian is near that in the middle."""
-    columns = []
-    for f in kind.factors:
-        for k in f[1:]:
-            columns.append([minus(form[moved(moved(e, f[0], -1), k, 1)], x) for e, x in form.items() if e[f[0]]])
-    J = [[sum(x) for x in zip(*column)] for column in columns]
-    if kind.dim == 2: J.append([0, 0, 1])
-    rows = [cross(J[1], J[2]), cross(J[2], J[0]), cross(J[0], J[1])][:kind.dim]
-    if (sign := dot(rows[0], J[0])) == 0: return False
-    rows = [tuple((1 if sign > 0 else -1) * len(columns[k]) * a for a in row) for k, row in enumerate(rows)]
-    for k, row in enumerate(rows):
-        others = sum(max(abs(dot(rows[a], x)) for x in columns[b]) for j in H(kind.dim) if j != k for a, b in ((k, j), (j, k)))
-        if 2 * min(dot(row, x) for x in columns[k]) <= others: return False
-    return True
+def overlapping(boxes):
+    """Pairs of boxes that overlap, by dividing them at a plane again and again."""
+    todo, pairs = [H(len(boxes))], set()
+    while todo:
+        items = todo.pop()
+        spans = [max(boxes[i][1][a] for i in items) - min(boxes[i][0][a] for i in items) for a in H(3)]
+        a = spans.index(max(spans))
+        middle = sorted(boxes[i][0][a] + boxes[i][1][a] for i in items)[len(items) // 2]
+        both = [[i for i in items if 2 * boxes[i][end][a] * sign <= middle * sign] for end, sign in ((0, 1), (1, -1))]
+        if len(items) > 12 and max(map(len, both)) < 0.9 * len(items): todo += both
+        else: pairs |= {(i, j) for i, j in itertools.combinations(items, 2) if all(
+            a <= d and c <= b for a, b, c, d in zip(*boxes[i], *boxes[j]))}
+    return sorted(pairs)
 
 
-def covers_only_at(kind, form, q, at):
-    """Whether no point of the cell but `at` (or none at all, if that is None) falls on q, by bisection."""
-    todo = [({e: minus(x, q) for e, x in form.items()}, at, 0)]
+def covers_only_at(kind, form, at):
+    """Whether no point of the cell but `at` (None: none at all) falls on zero: by bisection, first of all at `at`."""
+    todo = [(form, at, 0)]
     while todo:
         form, at, depth = todo.pop()
         low, high = box(form.values())
         if max(low) > 0 or min(high) < 0: continue
-        if is_once(kind, form) if at else has_positive(list(form.values())): continue
-        if depth == 30: return False
-        size, a, b = max((max(sum(map(abs, minus(form[moved(moved(e, a, -1), b, 1)], x))) for e, x in form.items() if e[a]),
-                          a, b) for f in kind.factors for a, b in itertools.combinations(f, 2))
+        edges = [(a, b) for f in kind.factors for a, b in itertools.combinations(f, 2)]
+        inside = [(a, b) for a, b in edges if at and at[a] and at[b]]
+        away = [x for e, x in form.items() if not at or any(k and not t for k, t in zip(e, at))]
+        if not inside and has_positive(lambda d: farthest(away, d)): continue
+        if depth == 40: return False
+        length = lambda a, b: max(sum(map(abs, minus(form[moved(e, a, b)], x))) for e, x in form.items() if e[a])
+        a, b = max(inside or edges, key=lambda edge: length(*edge))
         for a, b in ((a, b), (b, a)):
-            inside = None
-            if at and at[a] >= at[b]:
-                inside = list(at)
-                inside[a], inside[b] = at[a] - at[b], 2 * at[b]
-            todo.append((half(form, a, b), inside, depth + 1))
+            there = at and [at[a] - at[b] if i == a else 2 * t if i == b else t for i, t in enumerate(at)]
+            todo.append((half(form, a, b), there if at and at[a] >= at[b] else None, depth + 1))
     return True
 
 
@@ -523,124 +448,107 @@ def verify(mesh, proof):
     dim = max(sum(CELLS[name][0]) for _, name, _, _ in cells)
     cells = [of for of in cells if sum(CELLS[of[1]][0]) == dim]
     check(str(len(cells)) == head["elements"], "the mesh has another number of elements than the proof says")
-    used = {i for of in cells for i in of[3]}
-    ratio = {i: [float(word).as_integer_ratio() for word in nodes[i]] for i in used}
+    ratio = {i: [float(word).as_integer_ratio() for word in nodes[i]] for of in cells for i in of[3]}
     scale = max(d for x in ratio.values() for _, d in x)
     X = {i: tuple(n * (scale // d) for n, d in x) for i, x in ratio.items()}
     if dim == 2:
-        flat = [a for a in (2, 1, 0) if len({x[a] for x in X.values()}) == 1][0]
+        flat = max(a for a in H(3) if len({x[a] for x in X.values()}) == 1)
         X = {i: x[:flat] + x[flat + 1:] + (0,) for i, x in X.items()}
-    place, same = {}, {}
-    for i in sorted(used): same[i] = place.setdefault(X[i], i)
-    kinds = {of[1:3]: Cell(*of[1:3]) for of in {of[1:3]: of for of in cells}.values()}
-    sides = {}
+    place, sides = {}, {}
+    same = {i: place.setdefault(X[i], i) for i in sorted(X)}
+    kinds = {key: Cell(*key) for key in {of[1:3] for of in cells}}
     for number, (id_, name, p, at) in enumerate(cells):
-        kind, x = kinds[name, p], [X[i] for i in at]
-        form, tree = kind.determinant(x), trees.pop(("element", id_), ".")
-        turned = trees.pop(("turned", id_), None)
-        if turned: form = {e: -a for e, a in form.items()}
-        if tree != ".":
-            scales = {e: math.prod(multinomial([e[k] for k in f]) for f in kind.factors) for e in form}
-            common = math.lcm(*scales.values())
-            form = {e: a * (common // scales[e]) for e, a in form.items()}
+        kind, is_turned = kinds[name, p], trees.pop(("turned", id_), None)
+        form = kind.determinant([X[i] for i in at])
+        if is_turned: form = {e: (-a,) for e, (a,) in form.items()}
+        tree = trees.pop(("element", id_), ".")
         check(holds(is_positive, tree, form), f"element {id_}: det J is not proved positive")
         for k, (face, local) in enumerate(kind.sides):
             own = [same[at[i]] for i in local]
             c = own[:len(CELLS[face][1])]
             first = c.index(min(c))
-            sign = (c[1] > c[0] if len(c) == 2 else c[first - 1] > c[(first + 1) % len(c)]) ^ bool(turned)
-            before = sides.setdefault((key := tuple(sorted(own))), (number, k, face, own, sign))
-            if before[0] != number:
-                check(before[0] >= 0 and before[4] != sign,
-                      f"element {id_}: at its side {c} is more than one element on one side")
-                sides[key] = (-1,)
-    check_boundary(dim, kinds, cells, X, [of for of in sides.values() if of[0] >= 0], trees)
+            sign = (c[1] > c[0] if len(c) == 2 else c[first - 1] > c[(first + 1) % len(c)]) ^ bool(is_turned)
+            before = sides.setdefault(key := tuple(sorted(own)), (number, k, face, own, sign))
+            if before[0] == number: continue
+            check(before[0] >= 0 and before[4] != sign,
+                  f"element {id_}: at its side {c} is more than one element on one side")
+            sides[key] = (-1,)
+    faces = [of for of in sides.values() if of[0] >= 0]
+    check_crossings(patches_of(cells, X, faces), trees)
     check(not trees, f"the proof names what is not there: {list(trees)[:1]}")
-    return len(cells), dim
+    check_covers(kinds, cells, X, faces)
+    return len(cells)
 
 
-def check_boundary(dim, kinds, cells, X, faces, trees):
-    rows, patches = {}, []
+def patches_of(cells, X, faces):
+    keys, rows = [], {}
     degree = cells[0][2] * (2 if any(of[2] == "quadrilateral" for of in faces) else 1)
-    for number, k, face, own, _ in faces:
+    for number, _, face, own, _ in faces:
         count = len(CELLS[face][1])
-        first = min(H(count), key=lambda i: own[i])
-        for c in [H(count)] if count < 4 else [((first + i) % 4, (first + j) % 4, first) for i, j in ((1, 2), (2, 3))]:
-            c, p = tuple(sorted(c, key=lambda i: own[i])), cells[number][2]
-            patches.append((own, (face, p, c)))
-            if patches[-1][1] not in rows: rows[face, p, c] = patch_rows(face, p, c, degree)
-    _, weights = whole([row for _, of in rows.values() for row in of])
-    weights = iter(weights)
-    rows = {key: (exponents, [next(weights) for _ in of]) for key, (exponents, of) in rows.items()}
-    patches = [(tuple(own[i] for i in key[2]), {e: combination(row, [X[i] for i in own]) for e, row in zip(*rows[key])})
-               for own, key in patches]
+        k = own.index(min(own[:count]))
+        for c in [H(count)] if count < 4 else [(k, (k + 1) % 4, (k + 2) % 4), (k, (k + 2) % 4, (k + 3) % 4)]:
+            keys.append((own, (face, cells[number][2], tuple(sorted(c, key=lambda i: own[i])))))
+            if keys[-1][1] not in rows: rows[keys[-1][1]] = patch_rows(*keys[-1][1], degree)
+    weights = iter(whole([row for _, of in rows.values() for row in of])[1])
+    rows = {key: [(e, next(weights)) for e in exponents] for key, (exponents, _) in rows.items()}
+    return [(tuple(own[i] for i in key[2]), {e: combination(row, {i: X[n] for i, n in enumerate(own)})
+                                             for e, row in rows[key]}) for own, key in keys]
+
+
+def check_crossings(patches, trees):
     name = lambda P: "face " + " ".join(map(str, P[0]))
     text = lambda P: (tuple(map(str, P[0])), P[1])
-    if degree > 1:
-        for P in patches:
-            tree = trees.pop(("face", *P[0]), ".")
-            check(holds(prove_face, tree, text(P)), f"{name(P)} is not proved to have no point twice")
+    for P in patches:
+        tree = trees.pop(("face", *P[0]), ".")
+        check(holds(prove_face, tree, text(P)), f"{name(P)} is not proved to have no point twice")
     for i, j in overlapping([box(form.values()) for _, form in patches]):
         F, G = sorted((patches[i], patches[j]), key=lambda P: P[0])
-        tree = trees.pop(("pair", *F[0], *G[0]), ".")
-        check(holds(prove_apart, tree, text(F), text(G)), f"{name(F)} and {name(G)} are not proved to have nothing in common")
-    parts = list(H(len(faces)))  # numbers of the parts of the boundary, joined at sides of two faces
-    at_side = {}
-    for i, (_, _, face, own, _) in enumerate(faces):
-        for key in side_keys(face, own, cells[faces[i][0]][2]): at_side.setdefault(key, []).append(i)
+        check(holds(prove_apart, trees.pop(("pair", *F[0], *G[0]), "."), text(F), text(G)),
+              f"{name(F)} and {name(G)} are not proved to have nothing in common")
+
+
+def check_covers(kinds, cells, X, faces):
+    """One point of each part of the boundary."""
+    at_side, part = {}, list(H(len(faces)))  # part: of each face, one that is joined to it at a side of two faces
+    types = {(of[2], cells[of[0]][2]) for of in faces}
+    edges = {key: Cell(*key).sides or [("node", [0]), ("node", [1])] for key in types}
+    for i, (number, _, face, own, _) in enumerate(faces):
+        for _, at in edges[face, cells[number][2]]: at_side.setdefault(tuple(sorted(own[k] for k in at)), []).append(i)
 
     def root(i):
-        while parts[i] != i: parts[i] = i = parts[parts[i]]
+        while part[i] != i: part[i] = i = part[part[i]]
         return i
     for two in at_side.values():
-        if len(two) == 2: parts[root(two[0])] = root(two[1])
-    of_part, boxes = {}, {}
-    for i in H(len(faces)): of_part.setdefault(root(i), []).append(i)
-    for part in of_part.values():
-        check(any(is_covered_once(kinds, cells, X, faces[i], boxes) for i in part[:5]),
-              f"the part of the boundary with face {faces[part[0]][3]} is not proved to be covered once")
+        if len(two) == 2: part[root(two[0])] = root(two[1])
+    form_of = lambda i: kinds[cells[i][1:3]].bernstein([X[n] for n in cells[i][3]])
+    boxes = [(kinds[of[1:3]].scale, *box(form_of(i).values())) for i, of in enumerate(cells)]
+    for i in [i for i in H(len(faces)) if root(i) == i]:
+        some = [k for k in H(len(faces)) if root(k) == i][:5]
+        check(any(is_covered_once(kinds, cells, form_of, faces[k], boxes) for k in some),
+              f"the part of the boundary with face {faces[i][3]} is not proved to be covered once")
 
 
-def side_keys(face, own, p):
-    if face == "line": return own[:2]
-    if (face, p) not in EDGES: EDGES[face, p] = [local for _, local in Cell(face, p).sides]
-    return [tuple(sorted(own[i] for i in local)) for local in EDGES[face, p]]
-
-
-EDGES = {}
-
-
-def is_covered_once(kinds, cells, X, of, boxes):
-    number, k, face, _, _ = of
+def is_covered_once(kinds, cells, form_of, of, boxes):
+    """The point halfway from the middle of the first edge of a face to its last corner, or that of an edge."""
+    number, k = of[:2]
     kind = kinds[cells[number][1:3]]
-    c = [CELLS[kind.name][1][v] for v in corners_of(CELLS[kind.name][3].split()[k])]
-    weight = {2: (3, 4), 3: (1, 2, 4), 4: (4, 1, 0, 2)}[len(c)]
-    t = [Fraction(sum(a * b for a, b in zip(weight, column)), 7) for column in zip(*c)]
-    if kind.name == "pyramid": t = ([a / (1 - t[4]) for a in t[:4]] + [1 - t[4], t[4]])
-    point = None
-    for i, (_, name, p, at) in enumerate(cells):
-        if i not in boxes:
-            form = kinds[name, p].bernstein([X[n] for n in at])
-            boxes[i] = [box(form.values()), kinds[name, p].scale]
-    form = kind.bernstein([X[n] for n in cells[number][3]])
-    q = [sum(x[a] * math.prod(math.prod(t[j] ** e[j] for j in f) * multinomial([e[j] for j in f]) for f in kind.factors)
-             for e, x in form.items()) / kind.scale for a in H(3)]
-    common = math.lcm(*(a.denominator for a in q))
-    q = [int(a * common) for a in q]
-    for i, (_, name, p, at) in enumerate(cells):
-        (low, high), scale = boxes[i]
-        if any(common * a > scale * b or common * c < scale * b for a, b, c in zip(low, q, high)): continue
-        other = kinds[name, p]
-        form = {e: tuple(common * a for a in x) for e, x in other.bernstein([X[n] for n in at]).items()}
-        if not covers_only_at(other, form, [scale * a for a in q], t if i == number else None): return False
+    side = CELLS[kind.name][3].split()[k]
+    at = [Fraction(x, 4) for x in on_side(kind.name, side, {2: (2, 2), 3: (1, 1, 2), 4: (2, 2, 2, 2)}[len(side)])]
+    if kind.name == "pyramid": at[:4] = [x / at[4] for x in at[:4]]
+    weights = {e: math.prod(t ** n for t, n in zip(at, e)) * kind.multinomials(e) for e in kind.exponents}
+    common = math.lcm(*(w.denominator for w in weights.values())) * kind.scale
+    q = combination({e: int(w * (common // kind.scale)) for e, w in weights.items()}, form_of(number))
+    for i, (scale, low, high) in enumerate(boxes):
+        if any(a * common > b * scale or b * scale > c * common for a, b, c in zip(low, q, high)): continue
+        form = {e: minus(mixed((common,), (x,)), mixed((scale,), (q,))) for e, x in form_of(i).items()}
+        if not covers_only_at(kinds[cells[i][1:3]], form, at if i == number else None): return False
     return True
 
 
 def main():
     mesh, proof = open(sys.argv[1], "rb").read(), open(sys.argv[2]).read()
-    try:
-        count, dim = verify(mesh, proof)
-    except (Refused, KeyError, ValueError, IndexError, TypeError) as why:
+    try: count = verify(mesh, proof)
+    except (Refused, KeyError, ValueError, IndexError, TypeError, StopIteration) as why:
         print(f"NOT proved: {why}")
         return 1
     print(f"proved: all {count} elements are valid everywhere, and no two of them overlap")

@@ -6,10 +6,12 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <tuple>
 
 #include "base/parallel.hpp"
 #include "base/text.hpp"
 #include "check/proof.hpp"
+#include "geometry/half_space.hpp"
 #include "geometry/patch.hpp"
 #include "mesh/lagrange.hpp"
 #include "mesh/mesh.hpp"
@@ -23,6 +25,14 @@ struct NamedPatch {
     std::array<long long, 3> name{};  // of the corners
     Patch patch;
 };
+
+// What may be wrong with a difference of Bezier points.
+double error_of(const Patch& patch) {
+    double largest = 0;
+    for (const Vec<3>& x : patch)
+        for (const double a : x) largest = std::max(largest, std::abs(a));
+    return 1e-14 * largest;
+}
 
 class Boundary {
 public:
@@ -39,7 +49,11 @@ public:
         std::vector<std::string> lines(count);
         std::vector<char> is_missing(count, 0);
         std::vector<Box> boxes;
-        for (const NamedPatch& of : patches_) boxes.push_back(box_of(of.patch));
+        for (const NamedPatch& of : patches_) {
+            const double e = error_of(of.patch);
+            const Box box = box_of(of.patch);
+            boxes.push_back({box.low - Vec<3>{e, e, e}, box.high + Vec<3>{e, e, e}});
+        }
         const BoxTree tree(boxes);
         parallel_for_uneven(count, [&](int i) {
             const auto add = [&](const std::string& line, const std::optional<std::string>& cuts) {
@@ -236,98 +250,73 @@ private:
     bool is_monotone(const NamedPatch& f, const NamedPatch* g) const;
 };
 
-// What may be wrong with a difference of Bezier points.
-double error_of(const Patch& patch) {
-    double largest = 0;
-    for (const Vec<3>& x : patch)
-        for (const double a : x) largest = std::max(largest, std::abs(a));
-    return 1e-14 * largest;
-}
-
-// As the checker does, with some more to spare.
-bool has_positive(const std::vector<Vec<3>>& vectors, double error) {
-    std::vector<Vec<3>> units;
-    Vec<3> d{};
-    double shortest = std::numeric_limits<double>::infinity();
-    for (const Vec<3>& v : vectors) {
-        shortest = std::min(shortest, length(v));
-        units.push_back(unit(v));
-        d = d + units.back();
-    }
-    for (int step = 0; step < 60; ++step) {
-        const auto least = std::min_element(units.begin(), units.end(),
-                                            [&](const Vec<3>& v, const Vec<3>& w) { return dot(v, d) < dot(w, d); });
-        if (dot(*least, d) > (1e-5 + error / shortest) * length(d)) return true;
-        d = d + *least;
-    }
-    return false;
+// A point with the least product with d.
+Vec<3> farthest(const std::vector<Vec<3>>& points, const Vec<3>& d) {
+    return *std::min_element(points.begin(), points.end(),
+                             [&](const Vec<3>& v, const Vec<3>& w) { return dot(v, d) < dot(w, d); });
 }
 
 bool Boundary::are_apart(const NamedPatch& f, const NamedPatch& g) const {
     const int common = shared(f, g);
     if (common > m_) return false;
     if (common == 2) return is_monotone(f, &g);
-    const double error = error_of(f.patch);
-    std::vector<Vec<3>> vectors;
-    if (common == 0) {
-        for (const Vec<3>& a : f.patch)
-            for (const Vec<3>& b : g.patch) vectors.push_back(a - b);
-        return has_positive(vectors, error);
+    const double error = error_of(f.patch) + error_of(g.patch);
+    if (common == 0)
+        return is_half_space([&](const Vec<3>& d) { return farthest(f.patch, d) - farthest(g.patch, -1 * d); }, error);
+    std::vector<Vec<3>> away;
+    for (const auto& [of, other, sign] : {std::tuple(&f, &g, 1.0), std::tuple(&g, &f, -1.0)}) {
+        int corner = 0;
+        while (!has(*other, of->name[corner])) ++corner;
+        for (int i = 0; i < static_cast<int>(of->patch.size()); ++i)
+            if (i != corner) away.push_back(sign * (of->patch[i] - of->patch[corner]));
     }
-    const auto place = [&](const NamedPatch& of, const NamedPatch& other) {
-        int k = 0;
-        while (!has(other, of.name[k])) ++k;
-        return k;
-    };
-    const int of_f = place(f, g), of_g = place(g, f);
-    for (int i = 0; i < static_cast<int>(f.patch.size()); ++i) {
-        if (i != of_f) vectors.push_back(f.patch[i] - f.patch[of_f]);
-        if (i != of_g) vectors.push_back(g.patch[of_g] - g.patch[i]);
-    }
-    return has_positive(vectors, error);
+    return are_in_half_space(away, error);
 }
 
 bool Boundary::is_monotone(const NamedPatch& f, const NamedPatch* g) const {
     const Bernstein& form = basis_.bernstein;
-    const double error = error_of(f.patch);
-    const auto moved = [&](MultiIndex at, int from, int to) {
-        --at[from], ++at[to];
-        return form.place(at);
-    };
-    std::array<int, 2> ends = {0, 1};
-    if (g) ends = edge(other_corner(f, *g));
+    const std::array<int, 2> ends = g ? edge(other_corner(f, *g)) : std::array{0, 1};
     const Vec<3> u = f.patch[ends[1]] - f.patch[ends[0]];
-    Vec<3> q{};
-    std::vector<std::array<Vec<3>, 2>> both;  // along the edge, and away from it
+    const double infinity = std::numeric_limits<double>::infinity(), error = error_of(f.patch);
+    double least_u = infinity, least_q = infinity, most_u = 0, most_q = 0, scale = 0;
+    std::vector<Vec<3>> along, away, inward;  // derivatives by the edge, and from its middle to the third corner
     for (const NamedPatch* of : {&f, g}) {
         if (!of) continue;
-        const double sign = of == g ? -1 : 1;
-        const auto at = [&](int k) {
+        const auto corner = [&](int k) {
             return static_cast<int>(std::find(of->name.begin(), of->name.end(), f.name[ends[k]]) - of->name.begin());
         };
-        const int a = at(0), b = at(1), c = 3 - a - b;
-        for (int i = 0; i < form.count; ++i) {
-            const MultiIndex& index = form.index[i];
-            if (index[a] == 0) continue;
-            const Vec<3>&x = of->patch[i], &y = of->patch[moved(index, a, b)];
-            const Vec<3> away = m_ == 1 ? Vec<3>{} : 2 * of->patch[moved(index, a, c)] - x - y;
-            both.push_back({y - x, sign * away});
+        const int a = corner(0), b = corner(1), c = 3 - a - b;
+        double factor = 0;
+        if (m_ == 2) {
+            const Vec<3> v = of->patch[c] - of->patch[a], normal_to_u = v - dot(u, v) / dot(u, u) * u;
+            factor = (of == g ? -1 : 1) / length(normal_to_u);
+            inward.push_back(factor * normal_to_u);
+            scale = std::max(scale, std::abs(factor));
         }
-        if (m_ == 1) continue;
-        const Vec<3> away = of->patch[c] - of->patch[a];
-        q = q + sign * unit(dot(u, u) * away - dot(u, away) * u);
+        for (int i = 0; i < form.count; ++i) {
+            MultiIndex at = form.index[i];
+            if (at[a]-- == 0) continue;
+            const auto next = [&](int k) {
+                MultiIndex moved = at;
+                ++moved[k];
+                return of->patch[form.place(moved)];
+            };
+            along.push_back(next(b) - of->patch[i]);
+            if (m_ == 2) away.push_back(factor * (2 * next(c) - of->patch[i] - next(b)));
+        }
     }
-    double least_u = std::numeric_limits<double>::infinity(), least_q = least_u, most_u = 0, most_q = 0;
-    for (const auto& [along, away] : both) {
-        least_u = std::min(least_u, dot(u, along));
-        least_q = std::min(least_q, dot(q, away));
-        most_u = std::max(most_u, std::abs(dot(u, away)));
-        most_q = std::max(most_q, std::abs(dot(q, along)));
-    }
-    const double of_u = 8 * error * length(u), of_q = 8 * error * length(q);
+    for (const Vec<3>& e : along) least_u = std::min(least_u, dot(u, e));
+    const double of_u = 8 * error * length(u);
     if (m_ == 1) return least_u > of_u;
-    return least_u > of_u && least_q > of_q &&
-           (least_u - of_u) * (least_q - of_q) > 1.0001 * (most_u + of_u) * (most_q + of_q);
+    const Vec<3> q = half_space_of(inward).d;
+    for (const Vec<3>& e : along) most_q = std::max(most_q, std::abs(dot(q, e)));
+    for (const Vec<3>& v : away) {
+        least_q = std::min(least_q, dot(q, v));
+        most_u = std::max(most_u, std::abs(dot(u, v)));
+    }
+    const double of_q = 8 * error * length(q);
+    return least_u > of_u && least_q > scale * of_q &&
+           (least_u - of_u) * (least_q - scale * of_q) > 1.0001 * (most_u + scale * of_u) * (most_q + of_q);
 }
 
 }  // namespace

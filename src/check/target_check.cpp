@@ -21,6 +21,7 @@
 #include "base/text.hpp"
 #include "geometry/closest_point.hpp"
 #include "geometry/face_patches.hpp"
+#include "geometry/half_space.hpp"
 #include "mesh/unused_ids.hpp"
 
 namespace almesh {
@@ -169,6 +170,7 @@ private:
         double least = std::numeric_limits<double>::infinity();
         for (std::size_t k = 0; k < along.size(); k += normal.basis.count)
             least = std::min(least, polynomial_minimum(normal.basis, &along[k], 0.01, 500).upper);
+        for (Vec<3>& v : n) v = unit(v);
         const bool bends_far = bend != FaceBend::usual && are_in_half_space(n, smallest_normal);
         return least > smallest_normal || bends_far ? nullptr : "the target folds the face back on itself";
     }

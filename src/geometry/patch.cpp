@@ -131,21 +131,6 @@ CurvedEdge longest_curve(const Bernstein& basis, const Patch& patch) {
     return longest;
 }
 
-// The perceptron algorithm (Rosenblatt, Psychol. Rev. 65, 1958).
-bool are_in_half_space(const std::vector<Vec<3>>& vectors, double least_cosine) {
-    constexpr int most_steps = 100;
-    Vec<3> d{};
-    for (const Vec<3>& v : vectors) d = d + unit(v);
-    for (int step = 0; step < most_steps; ++step) {
-        const auto least = std::min_element(vectors.begin(), vectors.end(), [&](const Vec<3>& v, const Vec<3>& w) {
-            return dot(unit(v), d) < dot(unit(w), d);
-        });
-        if (dot(unit(*least), d) > least_cosine * length(d)) return true;
-        d = d + unit(*least);
-    }
-    return false;
-}
-
 bool holds(const Bernstein& basis, const Patch& patch, const Vec<3>& point) {
     constexpr double resolution = 1e-9;
     constexpr int most_pieces = 200000;  // in layers 1:1000 and more a point takes some ten thousand

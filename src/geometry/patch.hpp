@@ -109,9 +109,6 @@ CurvedEdge longest_curve(const Bernstein& basis, const Patch& patch);
 // than straight simplices up to 1e-9 of the size, and where 100000 bisections do not tell, yes.
 bool holds(const Bernstein& basis, const Patch& patch, const Vec<3>& point);
 
-// Whether a vector d has an angle with all of these whose cosine is above least_cosine >= 0: true where one was found.
-bool are_in_half_space(const std::vector<Vec<3>>& vectors, double least_cosine);
-
 // Largest distance of a Bezier point from its place on the flat patch with the same corners: no point of the patch is
 // farther than this from the flat one.
 double deviation(const Bernstein& basis, const Patch& patch);
