@@ -254,6 +254,12 @@ ALMESH_API const char *almesh_notes(almesh_mesh *mesh);
  * .su2. A file that was there is replaced in one step. */
 ALMESH_API int almesh_save(almesh_mesh *mesh, const char *path);
 
+/* The same, and a proof that the mesh in that file is valid and covers no point twice, for whoever wants to check it
+ * (outputs/README.md): with tests/verify.py, by exact arithmetic. Where it is not MSH 2.2 or 4.1 in text or SU2, the
+ * mesh is written as MSH 2.2 beside the proof, too. ALMESH_NOT_CERTIFIED, and no proof: the mesh is not valid, or too
+ * close to the limit to tell. */
+ALMESH_API int almesh_save_proof(almesh_mesh *mesh, const char *path, const char *proof);
+
 #ifdef __cplusplus
 }
 #endif

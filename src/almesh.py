@@ -139,7 +139,8 @@ _DECLARED = {  # of almesh.h: results, then arguments
     "volume": (c.c_int, _mesh, c.c_int, _out(_text), _out(_ints), _ints),
     "element_values": (_doubles, _mesh, _text), "number": (c.c_int, _mesh, _text, _doubles),
     "word": (_text, _mesh, _text), "multipliers": (_doubles, _mesh), "notes": (_text, _mesh),
-    "save": (c.c_int, _mesh, _text)}
+    "save": (c.c_int, _mesh, _text),
+    "save_proof": (c.c_int, _mesh, _text, _text)}
 
 
 def _library() -> Any:
@@ -703,10 +704,12 @@ class Mesh:
         """What the program would have told of the mesh and of the last run besides, a line each."""
         return self._text(_lib.almesh_notes(self._handle))
 
-    def save(self, path: Union[str, os.PathLike]) -> None:
+    def save(self, path: Union[str, os.PathLike], proof: Union[str, os.PathLike, None] = None) -> None:
         """Writes the mesh as it is. One of a file in that file's format: the file with other coordinates; else .msh or
-        .su2."""
-        _check(_lib.almesh_save(self._handle, _bytes(path)))
+        .su2. proof: a file for a proof that the mesh in the file is valid and covers no point twice, which others can
+        check (outputs/README.md); NotCertified where there is none."""
+        if proof is None: _check(_lib.almesh_save(self._handle, _bytes(path)))
+        else: _check(_lib.almesh_save_proof(self._handle, _bytes(path), _bytes(proof)))
 
 
 def _made(function: Any, *arguments: Any) -> Mesh:

@@ -33,6 +33,7 @@ if not OPTIONS.installed:
 
 import almesh
 import reproduce
+import verify
 
 CIRCLE, SOLID = str(ROOT / "inputs/meshes/circle.msh"), str(ROOT / "inputs/meshes/cube.msh")
 
@@ -146,6 +147,20 @@ class Moves(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             mesh.save(Path(folder) / "out.msh")
             self.assertEqual(flat(almesh.read(Path(folder) / "out.msh").x), flat(mesh.x))
+
+    def test_saves_a_proof_that_holds(self):
+        mesh = almesh.read(CIRCLE)
+        with tempfile.TemporaryDirectory() as folder:
+            out, proof = Path(folder) / "out.msh", Path(folder) / "out.proof"
+            mesh.save(out, proof=proof)
+            self.assertEqual(verify.verify(out.read_bytes(), proof.read_text()), mesh.element_count)
+            folded = [list(row) for row in mesh.x.tolist()]
+            folded[0] = [9.0, 9.0]
+            mesh.x = folded
+            proof.unlink()
+            with self.assertRaises(almesh.NotCertified):
+                mesh.save(out, proof=proof)
+            self.assertFalse(proof.exists())
 
     def test_certificate_of_positions(self):
         mesh = circle()

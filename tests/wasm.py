@@ -60,10 +60,10 @@ class App(Browser):
     def state(self):
         return self.text_of("state")
 
-    def saved(self, folder, name):
+    def saved(self, folder, name, button="#save"):
         """The bytes of the file that `save` downloads."""
         self.call("Page.setDownloadBehavior", behavior="allow", downloadPath=str(folder))
-        self.click("#save")
+        self.click(button)
         until((folder / name).exists, 20)
         time.sleep(0.2)
         return (folder / name).read_bytes() if (folder / name).exists() else b""
@@ -115,6 +115,8 @@ def check_move(app, arguments, folder):
     check_saved(app, folder, "circle-moved.msh", folder / "circle", 1e-13)
     code, said, _ = program(arguments, "quality", folder / "circle-moved.msh")
     check(code == 0, f"the program does not certify what was saved: {said}")
+    proof = app.saved(folder, "circle-moved.msh.proof", "#prove").decode()
+    check(verify.verify((folder / "circle-moved.msh").read_bytes(), proof) > 0, "the proof")
     app.motion("inner", "translate 8")
     app.click("#move")
     check("translate" in app.state() and "failed" in app.value("document.getElementById('state').className"),

@@ -35,7 +35,7 @@ function ask(what, message) {
   setBusy(what);
   worker.postMessage(message);
 }
-function answer({progress, error, isLost, saved, mesh}) {
+function answer({progress, error, isLost, saved = [], mesh}) {
   if (progress) {
     const {iteration, step, gradient, constraint} = progress;
     told = `iteration ${iteration}, ` + (step ? `Newton step ${step}, |gradient| ${gradient.toExponential(1)}, `
@@ -50,8 +50,8 @@ function answer({progress, error, isLost, saved, mesh}) {
   }
   if (isLost && (doing === "moving" || doing === "improving")) again();
   else if (isLost) start();
-  if (saved) Object.assign(document.createElement("a"),
-    {href: URL.createObjectURL(new Blob([saved])), download: savedName()}).click();
+  for (const {name, bytes} of saved)
+    Object.assign(document.createElement("a"), {href: URL.createObjectURL(new Blob([bytes])), download: name}).click();
   if (mesh) show(mesh);
 }
 function again() {
@@ -97,6 +97,7 @@ const run = how => ask(how === "move" ? "moving" : "improving", {run: how, motio
 $("move").onclick = () => run("move");
 $("improve").onclick = () => run("improve");
 $("save").onclick = () => ask("saving", {save: savedName()});
+$("prove").onclick = () => ask("proving", {save: savedName(), hasProof: true});
 $("cancel").onclick = () => {
   const isRead = doing !== "reading";
   setBusy("");

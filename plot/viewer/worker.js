@@ -1,7 +1,7 @@
 // almesh.html: the library in a worker, so that the page answers while it computes. plot/app.py puts almesh.js before
 // this, and KINDS (page.face_kind() by corners, degree and parts of an edge) and FIELDS (page.FIELDS).
-// Messages: {read: {name, bytes}}, {run: "move" or "improve", motions: {name: text}}, {save: name}. Answers: {progress},
-// and in the end {error: sentence}, {saved: bytes}, or {mesh} of read() or run().
+// Messages: {read: {name, bytes}}, {run: "move" or "improve", motions: {name: text}}, {save: name, hasProof}. Answers:
+// {progress}, and in the end {error: sentence}, {saved: [{name, bytes}]}, or {mesh} of read() or run().
 const loading = almesh({print() {}, printErr() {}});
 let lib, at, mesh = 0, name = "", frames = [], kinds = [];
 const typeOf = word => typeof word === "string" ? "string" : "number";
@@ -41,10 +41,11 @@ function progress(user, p) {
   postMessage({progress: {iteration, step, gradient, constraint}});
   return 0;
 }
-function save(file) {
-  fine(call("save", mesh, file));
-  const saved = lib.FS.readFile(file);
-  lib.FS.unlink(file);
+function save(file, hasProof) {  // a proof comes with the mesh that it is of
+  const proof = `${file}.proof`, written = hasProof ? [file, proof, `${proof}.msh`] : [file];
+  fine(hasProof ? call("save_proof", mesh, file, proof) : call("save", mesh, file));
+  const saved = written.filter(of => lib.FS.analyzePath(of).exists).map(of => ({name: of, bytes: lib.FS.readFile(of)}));
+  for (const {name} of saved) lib.FS.unlink(name);
   return {saved};
 }
 
@@ -122,7 +123,7 @@ function summary() {  // a table of the quantities of the run
   return {keys, tables: rows.length ? [{name: "summary", columns: ["quantity", "value"], rows, same: []}] : []};
 }
 
-onmessage = async ({data: {read: file, run: how, motions, save: path}}) => {
+onmessage = async ({data: {read: file, run: how, motions, save: path, hasProof}}) => {
   try {
     if (!lib) {
       lib = await loading;
@@ -131,7 +132,7 @@ onmessage = async ({data: {read: file, run: how, motions, save: path}}) => {
       lib.progress = lib.addFunction(progress, "iii");
     }
     if (mesh) call("on_progress", mesh, lib.progress, 0);
-    postMessage(file ? {mesh: read(file)} : how ? {mesh: run(how, motions)} : save(path));
+    postMessage(file ? {mesh: read(file)} : how ? {mesh: run(how, motions)} : save(path, hasProof));
   } catch (error) {
     const isLost = error instanceof WebAssembly.RuntimeError || error instanceof RangeError;
     const told = isLost ? `the library failed, or a page's memory, 4 GB, ended: ${error.message}` : error.message;

@@ -37,14 +37,13 @@ double error_of(const Patch& patch) {
 class Boundary {
 public:
     Boundary(const Mesh& mesh, const std::vector<double>& x)
-        : mesh_(mesh), x_(x), m_(mesh.dim - 1), degree_(mesh.degree * (has_quadrilaterals() ? 2 : 1)),
-          basis_(m_, degree_) {
-        name_nodes();
+        : mesh_(mesh), x_(x), m_(mesh.dim - 1), name_(names_of_nodes()), faces_(outer_faces()),
+          degree_(mesh.degree * (has_quadrilaterals() ? 2 : 1)), basis_(m_, degree_) {
         add_patches();
     }
 
     void prove(Proof& proof) const {
-        if (degree_ == 1) return;
+        if (degree_ == 1) return;  // flat ones that have no more in common than their names say need no cuts
         const int count = static_cast<int>(patches_.size());
         std::vector<std::string> lines(count);
         std::vector<char> is_missing(count, 0);
@@ -80,15 +79,15 @@ public:
 private:
     const Mesh& mesh_;
     const std::vector<double>& x_;
-    int m_, degree_;
-    PatchBasis basis_;
+    int m_;
     std::vector<long long> name_;  // of each node: the least id of those at its place
+    std::vector<int> faces_;       // but for those that are glued: with the same corners as another one
+    int degree_;
+    PatchBasis basis_;
     std::vector<NamedPatch> patches_;
 
     bool has_quadrilaterals() const {
-        for (const ElementGroup& group : mesh_.face_groups())
-            if (group.count > 0 && group.cell == &quadrilateral()) return true;
-        return false;
+        return std::any_of(faces_.begin(), faces_.end(), [&](int f) { return mesh_.face_vertices(f).size() == 4; });
     }
     std::string names(const NamedPatch& of) const {
         std::string text;
@@ -96,34 +95,37 @@ private:
         return text;
     }
 
-    void name_nodes() {
-        std::map<std::vector<double>, long long> least;
-        const auto place = [&](int i) {
-            const double* const at = point(x_, i, mesh_.dim);
-            return std::vector<double>(at, at + mesh_.dim);
-        };
-        name_ = mesh_.file.node_id;
+    std::vector<long long> names_of_nodes() const {
+        std::map<Vec<3>, long long> least;
+        std::vector<long long> name = mesh_.file.node_id;
+        const auto place = [&](int i) { return positions(mesh_, x_, &i, 1)[0]; };
         for (const int i : mesh_.faces) {
-            const auto [at, is_new] = least.try_emplace(place(i), name_[i]);
-            at->second = std::min(at->second, name_[i]);
+            const auto [at, is_new] = least.try_emplace(place(i), name[i]);
+            at->second = std::min(at->second, name[i]);
         }
-        for (const int i : mesh_.faces) name_[i] = least.at(place(i));
+        for (const int i : mesh_.faces) name[i] = least.at(place(i));
+        return name;
     }
 
-    // But for those that are glued: with the same corners as another one.
-    void add_patches() {
-        std::map<std::vector<long long>, int> count;
-        const auto key = [&](int f) {
+    std::vector<int> outer_faces() const {
+        std::map<std::vector<long long>, std::vector<int>> of_corners;
+        for (int f = 0; f < mesh_.face_count(); ++f) {
+            if (mesh_.is_inner(f)) continue;
             std::vector<long long> names;
             for (const int i : mesh_.face_vertices(f)) names.push_back(name_[i]);
             std::sort(names.begin(), names.end());
-            return names;
-        };
-        for (int f = 0; f < mesh_.face_count(); ++f)
-            if (!mesh_.is_inner(f)) ++count[key(f)];
+            of_corners[names].push_back(f);
+        }
+        std::vector<int> faces;
+        for (const auto& [corners, some] : of_corners)
+            if (some.size() == 1) faces.push_back(some[0]);
+        std::sort(faces.begin(), faces.end());
+        return faces;
+    }
+
+    void add_patches() {
         std::map<std::pair<const CellType*, std::array<int, 3>>, std::vector<double>> maps;
-        for (int f = 0; f < mesh_.face_count(); ++f) {
-            if (mesh_.is_inner(f) || count[key(f)] > 1) continue;
+        for (const int f : faces_)
             for (const std::array<int, 3>& corner : corners_of(f)) {
                 std::vector<double>& S = maps[{&mesh_.face_cell(f), corner}];
                 if (S.empty()) S = map_of(mesh_.face_cell(f), corner);
@@ -136,7 +138,6 @@ private:
                     for (const Vec<3>& of_face : x) node = node + *weight++ * (of_face - x[0]);
                 of.patch = make_patch(basis_, nodes);
             }
-        }
     }
 
     // A quadrilateral is cut at the diagonal from its corner with the least name.
@@ -321,6 +322,8 @@ bool Boundary::is_monotone(const NamedPatch& f, const NamedPatch* g) const {
 
 }  // namespace
 
-void prove_boundary(const Mesh& mesh, const std::vector<double>& x, Proof& proof) { Boundary(mesh, x).prove(proof); }
+void prove_boundary(const Mesh& mesh, const std::vector<double>& x, Proof& proof) {
+    if (mesh.degree > 1 || !mesh.groups_of_faces.empty()) Boundary(mesh, x).prove(proof);
+}
 
 }  // namespace almesh

@@ -1,7 +1,9 @@
 // almesh.h: the mesh as it is, and the results of the last run.
+#include "check/injectivity.hpp"
 #include "check/quality.hpp"
 #include "check/scaled_jacobian.hpp"
 #include "io/mesh_format.hpp"
+#include "io/proof_file.hpp"
 #include "library/c_object.hpp"
 #include "report/results.hpp"
 
@@ -46,6 +48,16 @@ Numbers multipliers(const Session& session) {
 
 almesh_cells cells_of(const CellList& cells) {
     return {static_cast<int>(cells.type.size()), cells.type.data(), cells.offset.data(), cells.node.data()};
+}
+
+void save(const Session& session, const std::string& to) {
+    const Mesh& now = session.mesh();
+    const bool is_own = now.file.can_be_patched() && to.ends_with(now.file.format.ending);
+    if (!is_own && !to.ends_with(".msh") && !to.ends_with(".su2"))
+        throw UsageError(to, ": a mesh is written as .msh, .su2, or as the file that it comes from");
+    FileFormat anew;
+    if (to.ends_with(".su2")) anew.ending = ".su2";
+    write_mesh_as(is_own ? now.file.format : anew, to, now, session.source.text, session.positions());
 }
 
 }  // namespace
@@ -127,15 +139,19 @@ const char* almesh_word(almesh_mesh* mesh, const char* name) {
 }
 
 int almesh_save(almesh_mesh* mesh, const char* path) {
+    return with(mesh, [&](Object& object) { save(object.session, needed(path, "the path")); });
+}
+
+int almesh_save_proof(almesh_mesh* mesh, const char* path, const char* proof) {
     return with(mesh, [&](Object& object) {
-        const Session& session = object.session;
-        const Mesh& now = session.mesh();
-        const std::string to = needed(path, "the path");
-        const bool is_own = now.file.can_be_patched() && to.ends_with(now.file.format.ending);
-        if (!is_own && !to.ends_with(".msh") && !to.ends_with(".su2"))
-            throw UsageError(to, ": a mesh is written as .msh, .su2, or as the file that it comes from");
-        FileFormat anew;
-        if (to.ends_with(".su2")) anew.ending = ".su2";
-        write_mesh_as(is_own ? now.file.format : anew, to, now, session.source.text, session.positions());
+        const std::string to = needed(path, "the path"), of = needed(proof, "the path of the proof");
+        save(object.session, to);
+        std::vector<std::string> notes;
+        const Mesh written = read_as_it_is(to, notes);
+        const Certificate certificate = certify(written, written.x);
+        if (!certificate.valid || !certify_injective(written, written.x, certificate).certified)
+            throw ErrorOf<ExitCode::not_certified>(to, ": not certified valid and injective, so there is no proof");
+        const ProofFile file = write_proof(written, to, of);
+        if (!file.is_written) throw ErrorOf<ExitCode::not_certified>(to, ": ", file.told);
     });
 }

@@ -245,6 +245,8 @@ Mesh oriented_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds fo
     std::vector<int> turned = negative_elements(build, folds);
     if (orientation == Orientation::of_neighbours) turned = turned_by_neighbours(mesh);
     reverse(mesh, turned);
+    mesh.file.turned = turned;
+    mesh.file.has_elements = raw.notes.empty() && repeated.empty();
     mesh.folded = fill_boundary(build);
     if (!build.repeated.empty()) {
         notes.resize(told);

@@ -125,7 +125,8 @@ std::string write_mesh(const Deck& deck, const Problem& problem, const Solution&
         if (first.empty()) first = path;
     }
     if (deck.proof && solution.injectivity.certified) {
-        const ProofFile proof = write_proof(first, concat(deck.output, "/", name, ".proof"));
+        std::vector<std::string> notes;
+        const ProofFile proof = write_proof(read_as_it_is(first, notes), first, concat(deck.output, "/", name, ".proof"));
         if (!proof.is_written) std::fprintf(stderr, "note: %s: %s\n", first.c_str(), proof.told.c_str());
     }
     if (deck.vtk != VtkOutput::none)

@@ -246,6 +246,8 @@ TEST_CASE("wrong use is an error with a sentence, and changes nothing") {
     CHECK(refusal(almesh_certify(mesh, x.data(), x.size()), ALMESH_NOT_CERTIFIED) != "");
     CHECK(almesh_save(mesh, "/no/such/folder/x.msh") == ALMESH_INPUT);
     CHECK(almesh_save(mesh, "x.stl") == ALMESH_USAGE);
+    CHECK(almesh_save_proof(mesh, "x.stl", "x.proof") == ALMESH_USAGE);
+    CHECK(almesh_save_proof(mesh, "x.msh", nullptr) == ALMESH_USAGE);
     CHECK(almesh_number(mesh, "status", &x[0]) == ALMESH_USAGE);
     CHECK(almesh_word(mesh, "qualty") == nullptr);
     CHECK(almesh_set_boundary(mesh, "outre", "fixed") == ALMESH_OK);  // what the mesh has is known in the run

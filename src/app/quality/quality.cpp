@@ -73,8 +73,9 @@ ExitCode quality(const Deck& deck, const QualityFiles& files, const Output& out)
     const bool is_certified = print_quality(out, mesh, before, came, deck.given.contains("output") ? deck.output : "");
     if (!is_certified) return ExitCode::not_certified;
     if (files.proof.empty()) return ExitCode::success;
-    const ProofFile proof = write_proof(deck.mesh, files.proof);
+    const ProofFile proof = write_proof(mesh, deck.mesh, files.proof);
     print(out, proof.told, "\n");
+    out.add({{"proof", proof.is_written ? files.proof : "none"}});
     return proof.is_written ? ExitCode::success : ExitCode::not_certified;
 }
 
