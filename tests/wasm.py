@@ -15,6 +15,7 @@ import tempfile
 import time
 from pathlib import Path
 
+import verify
 from page import CHROMIUM, ROOT, Browser, check, counts
 
 LARGE = ROOT / "inputs/meshes/aircraft.msh"
