@@ -59,6 +59,7 @@ CHECKED   := $(sort $(patsubst tests/lessons/%_check.cpp,%,$(wildcard tests/less
 SOLVED    := $(patsubst src/lessons/solutions/%.cpp,$(BUILD)/lessons/solved-%,$(wildcard src/lessons/solutions/*.cpp))
 CHECKS    := $(CHECKED:%=$(BUILD)/tests/lessons/%_check.o) $(BUILD)/tests/lessons/exercise.o $(BUILD)/libalmesh.a \
              $(BUILD)/src/lessons/own/almesh.o $(BUILD)/src/lessons/own/rehearsal.o
+RUNS      := $(sort $(shell find inputs -name '*.deck' -not -path 'inputs/lessons/*'))
 # Only `make fuzz` has libFuzzer's entry; the harnesses are in the tests too.
 FUZZ      := $(filter-out tests/fuzz/%_test.cpp,$(wildcard tests/fuzz/*.cpp)) tests/support/meshes.cpp
 FUZZ_OBJECTS := $(FUZZ:%.cpp=$(BUILD)/%.o)
@@ -413,10 +414,11 @@ slurm: almesh python ##check run a sweep as a job array of Slurm, with a job tha
 certificates: $(BUILD)/almesh-tests ##check the certificate beside dense samples of ten thousand elements of each type and degree (ELEMENTS=100000)
 	ALMESH_ELEMENTS=$(or $(ELEMENTS),10000) $(BUILD)/almesh-tests -sf='*certificate_samples_test.cpp'
 
-proofs: almesh python ##check proofs of small meshes of all cells and degrees, false ones refused, and of meshes (MESHES="outputs/*/final.msh")
-	tests/proofs.py --program ./almesh $(if $(QUICK),--quick) $(or $(MESHES),$(wildcard inputs/meshes/*.msh))
-run-proofs: $(BUILD)/almesh python
-	tests/proofs.py --program $(BUILD)/almesh --quick
+proofs: almesh $(BUILD)/almesh-tests python ##check proofs: of all cells and degrees, false ones, decks (DECKS="inputs/circle.deck") and meshes (MESHES="outputs/*/final.msh")
+	tests/proofs.py $(or $(MESHES),$(wildcard inputs/meshes/*.msh)) --program ./almesh --tests $(BUILD)/almesh-tests \
+	  $(if $(QUICK),--quick) --decks $(or $(DECKS),$(if $(QUICK),inputs/circle.deck inputs/cells/kinds.deck,$(RUNS)))
+run-proofs: $(BUILD)/almesh $(BUILD)/almesh-tests python
+	tests/proofs.py --program $(BUILD)/almesh --tests $(BUILD)/almesh-tests --quick
 
 untangle: almesh ##check improve some 200 generated meshes with inverted elements (ONLY="tri-random hole")
 	$(PYTHON) tests/untangle.py $(ONLY)

@@ -5,7 +5,7 @@
 
 Small meshes of every cell and degree, their mutations, and the meshes that are named.
 """
-import argparse, itertools, math, pathlib, subprocess, sys, tempfile
+import argparse, itertools, math, os, pathlib, shutil, subprocess, sys, tempfile, time
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import verify
 
@@ -186,10 +186,51 @@ class Tests:
         self.refuse("no tree", mesh, plain(1, mesh))
 
 
+    def corners(self, program, count):
+        """What the program says of two triangles with a common corner, beside exact arithmetic: never too much."""
+        cases = self.folder / "corners"
+        environment = {**os.environ, "ALMESH_CORNERS": str(cases), "ALMESH_COUNT": str(count)}
+        subprocess.run([program, "-tc=two triangles at a corner*"], env=environment, capture_output=True, check=True)
+        said = exact = false = 0
+        with cases.open() as lines:
+            for line in lines:
+                is_apart, *words = line.split()
+                ratio = [float.fromhex(word).as_integer_ratio() for word in words]
+                scale = max(d for _, d in ratio)
+                a = [n * (scale // d) for n, d in ratio]
+                origin, *corner = [tuple(a[k:k + 3]) for k in range(0, 15, 3)]
+                away = [verify.minus(x, origin) for x in corner[:2]] + [verify.minus(origin, x) for x in corner[2:]]
+                is_true = verify.has_positive(lambda d: verify.farthest(away, d))
+                said, exact, false = said + int(is_apart), exact + is_true, false + (int(is_apart) > is_true)
+        print(f"{count} pairs of triangles at a corner: {exact} apart, {said} told to be, {false} of them falsely")
+        if false or not said: self.wrong.append("triangles at a corner")
+
+    def of_decks(self, decks):
+        """Every mesh that a deck ends with, or has a frame of, and that is certified, has a proof that holds."""
+        for deck in decks:
+            results, begun = self.folder / "results", time.process_time()
+            command = [self.program, deck, f"output={results}", "proof=yes", "vtk=none"]
+            run = subprocess.run(command, capture_output=True, text=True, check=False)
+            missing = [line for line in run.stderr.split("\n") if "no proof" in line]
+            proofs = sorted(results.rglob("*.proof"))
+            for proof in proofs:
+                mesh = proof.with_name(proof.name + ".msh")
+                mesh = mesh if mesh.exists() else next(m for m in (proof.with_suffix(".msh"), proof.with_suffix(".su2"))
+                                                       if m.exists())
+                self.accept(f"{deck}: {proof.name}", mesh.read_bytes(), proof.read_text())
+            self.wrong += [f"{deck}: {line}" for line in missing]
+            size = sum(proof.stat().st_size for proof in proofs)
+            print(f"{deck}: code {run.returncode}, {len(proofs)} proofs, {size} bytes, checked in "
+                  f"{time.process_time() - begun:.1f} s" + (f", {len(missing)} MISSING" if missing else ""), flush=True)
+            shutil.rmtree(results, ignore_errors=True)
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--program", default="build/almesh")
     parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--tests", help="the program with the tests, for pairs of triangles at a corner")
+    parser.add_argument("--decks", nargs="*", default=[])
     parser.add_argument("meshes", nargs="*")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
@@ -198,6 +239,8 @@ def main():
         tests.trees()
         for cell, p in itertools.product(AXES, (1, 2, 3, 4)):
             if p == 1 or not options.quick: tests.of_cell(cell, p)
+        if options.tests: tests.corners(options.tests, 10000 if options.quick else 1000000)
+        tests.of_decks(options.decks)
         for path in options.meshes:
             proof, why = tests.written(None, pathlib.Path(path))
             if proof: tests.accept(path, pathlib.Path(path).read_bytes(), proof)
