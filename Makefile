@@ -86,7 +86,7 @@ said       = $(if $(V),,@printf '%-5s %s\n' '$(1)' '$(2)')
         doctest python numpy asan fuzz bench compare compare-cholmod compare-gmsh compare-improve \
         cad-models cad-examples cholmod paper gauntlet generated untangle improve slurm certificates defaults \
         derivatives drift coupling calculix judges run-fast-tests run-fast-app-tests run-fast-other-tests matrix \
-        reproduce lib wheel install uninstall dist test-install run-python doors proofs run-proofs mutants check-targets figures meshes lessons readmes check-lessons student with-solutions wrong-answers animation \
+        reproduce lib wheel install uninstall dist test-install run-python doors proofs run-proofs mutants check-targets figures meshes lessons readmes check-lessons slides student with-solutions wrong-answers animation \
         quality clean examples help-all FORCE
 
 all: almesh ## build the program ./almesh
@@ -369,6 +369,9 @@ own-almesh: $(CHECKS) FORCE ##course link your answers into a solver and run the
 	  echo 'no picture without numpy and matplotlib: apt-get install python3-numpy python3-matplotlib (or pip)'; fi
 
 examples: $(EXAMPLES) ## build the programs that use the library, src/examples/
+
+slides: ##course slides of all lessons as HTML and PDF, outputs/slides/ (pandoc, chromium)
+	plot/lessons/slides.py
 
 student: with-solutions ##course export the course without solutions as a folder that stands alone: make student TO=../course
 	@tests/lessons/student.py $(TO)
