@@ -382,6 +382,8 @@ check-lessons: $(CHECKS) ##course check the answers to all exercises: a table (A
 lessons: with-solutions python $(BUILD)/almesh $(SHARED) $(EXAMPLES) $(LESSON_PROGRAMS) $(SOLVED) $(CHECKS) ##check run the commands of all documents that take seconds; check the solutions of the course
 	tests/lessons/answers.py --build $(BUILD) --self-test
 	tests/lessons/hints.py --self-test
+	tests/lessons/slides.py --self-test
+	tests/lessons/slides.py
 	tests/lessons/student.py --self-test $(BUILD)
 	tests/lessons/wrong.py --build $(BUILD)
 	tests/lessons/one_file.py --build $(BUILD)
