@@ -483,6 +483,7 @@ page: DECK ?= inputs/circle.deck
 
 test-page: $(BUILD)/almesh python ##check use pages of results in a headless Chromium, and look for errors (chromium, npm)
 	tests/page.py --build $(BUILD)
+	tests/lesson_pages.py
 
 # Without threads, with two numbers in a register. An object of clang takes no precompiled header after another include.
 WASM      := -O2 -msimd128 -fwasm-exceptions -fno-PIC -include plot/viewer/to_chars.hpp
