@@ -384,6 +384,7 @@ lessons: with-solutions python $(BUILD)/almesh $(SHARED) $(EXAMPLES) $(LESSON_PR
 	tests/lessons/hints.py --self-test
 	tests/lessons/slides.py --self-test
 	tests/lessons/slides.py
+	tests/lessons/times.py --check
 	tests/lessons/student.py --self-test $(BUILD)
 	tests/lessons/wrong.py --build $(BUILD)
 	tests/lessons/one_file.py --build $(BUILD)
