@@ -8,6 +8,12 @@ BUILD     := build-portable
 endif
 CXXFLAGS  ?= -O3 -march=native
 BUILD     ?= build
+# A student's export has the library, the program and the checks in build/, with the flags that they were built with in
+# the file `prebuilt` (tests/lessons/student.py). Where they run they are not built; without that file all is.
+PREBUILT  := $(if $(wildcard $(BUILD)/prebuilt),$(shell $(BUILD)/almesh --version >/dev/null 2>&1 && cat $(BUILD)/prebuilt))
+ifneq ($(PREBUILT),)
+CXXFLAGS  := $(PREBUILT)
+endif
 WARNINGS  := -Wall -Wextra -Wpedantic -Wshadow
 
 # OpenMP where the compiler has it; without it the program builds and runs serially.
@@ -37,6 +43,11 @@ HOT       := linalg/% energy/% geometry/% check/certificate.o problem/corner_smo
 COMPUTING := $(filter $(addprefix $(BUILD)/src/,$(HOT)),$(OBJECTS))
 WAITING   := $(filter-out $(COMPUTING),$(OBJECTS))
 LIBRARY   := $(filter-out $(BUILD)/src/main.o,$(COMPUTING) $(WAITING))
+ifneq ($(PREBUILT),)
+COMPUTING :=
+WAITING   :=
+LIBRARY   :=
+endif
 TESTS     := $(shell find tests -name '*.cpp' -not -path 'tests/bench/*' -not -path 'tests/lessons/*' \
                -not -name libfuzzer.cpp | sort)
 # The tests of a room are compiled together, each file in a namespace of its own behind what all of them include: that
@@ -49,7 +60,7 @@ TEST_OBJECTS := $(patsubst %.cpp,$(BUILD)/%.o,$(filter-out $(TOGETHER),$(TESTS))
                $(BUILD)/tests/library/c_client.o
 # The comparison is a program of its own, the only one that needs CHOLMOD.
 COMPARISON := $(BUILD)/tests/bench/compare_cholmod.o
-BENCH     := $(shell find tests/bench -name '*.cpp' -not -name compare_cholmod.cpp | sort)
+BENCH     := $(shell find tests -path 'tests/bench/*.cpp' -not -name compare_cholmod.cpp | sort)
 BENCH_OBJECTS := $(BENCH:%.cpp=$(BUILD)/%.o)
 # The course: a program for each lesson that is code, and its exercises, checked with the answers of the templates
 # (src/lessons/exercises/, where students write) or with the solutions.
@@ -86,7 +97,7 @@ said       = $(if $(V),,@printf '%-5s %s\n' '$(1)' '$(2)')
         doctest python numpy asan fuzz bench compare compare-cholmod compare-gmsh compare-improve \
         cad-models cad-examples cholmod paper gauntlet generated untangle improve slurm certificates defaults \
         derivatives drift coupling calculix judges run-fast-tests run-fast-app-tests run-fast-other-tests matrix \
-        reproduce lib wheel install uninstall dist test-install run-python doors proofs run-proofs mutants check-targets figures meshes lessons readmes check-lessons slides student with-solutions wrong-answers animation \
+        reproduce lib wheel install uninstall dist test-install run-python doors proofs run-proofs mutants check-targets figures meshes lessons readmes check-lessons slides student student-export with-solutions wrong-answers animation \
         quality clean examples help-all FORCE
 
 all: almesh ## build the program ./almesh
@@ -126,7 +137,7 @@ OF_TESTS  := $(LITTLE:-O1=-O0) -DDOCTEST_CONFIG_SUPER_FAST_ASSERTS
 # not main.cpp of the tests, which includes more of doctest, nor the harnesses, which `make fuzz` links without doctest
 PREFIXED  := $(filter-out $(BUILD)/tests/main.o $(FUZZ_OBJECTS),$(TEST_OBJECTS))
 SAMPLING  := $(filter $(BUILD)/tests/rooms/check.o $(BUILD)/tests/check/%,$(TEST_OBJECTS))
-READ_ONCE := $(if $(findstring ccache,$(CXX)),,$(BUILD)/prefix)
+READ_ONCE := $(if $(findstring ccache,$(CXX))$(PREBUILT),,$(BUILD)/prefix)
 $(WAITING) $(LESSON_OBJECTS): OWN_FLAGS = $(LITTLE) $(READ_ONCE:%=-include %/waiting.hpp)
 $(COMPUTING) $(BENCH_OBJECTS): OWN_FLAGS = $(READ_ONCE:%=-include %/computing.hpp)
 $(TEST_OBJECTS): OWN_FLAGS = $(OF_TESTS)
@@ -346,7 +357,7 @@ $(BUILD)/lessons/%: $(BUILD)/src/lessons/%.o $(BUILD)/libalmesh.a
 	$(Q)$(CXX) $(FLAGS) $^ $(GOMP) -o $@
 
 lesson-%: almesh FORCE ## run the commands of a lesson's handout and draw its picture: make lesson-01
-	@$(MAKE) --silent $(patsubst src/%.cpp,$(BUILD)/%,$(wildcard src/lessons/$*_*.cpp)) $(if $(filter 05,$*),$(EXAMPLES)) $(filter %/solved-$*,$(SOLVED)) $(if $(filter 12,$*),$(CHECKS))
+	@$(MAKE) --silent $(patsubst src/%.cpp,$(BUILD)/%,$(wildcard src/lessons/$*_*.cpp)) $(if $(filter 05,$*),$(EXAMPLES)) $(if $(filter 08,$*),$(BUILD)/lessons/almesh_in_one_file) $(filter %/solved-$*,$(SOLVED)) $(if $(filter 12,$*),$(CHECKS))
 	@tests/documents.py --show --build $(BUILD) $*
 	@if $(PYTHON) -c 'import numpy, matplotlib' 2>/dev/null; then $(PYTHON) $(wildcard plot/lessons/$*_*.py); else \
 	  echo 'no picture without numpy and matplotlib: apt-get install python3-numpy python3-matplotlib (or pip)'; fi
@@ -373,8 +384,15 @@ examples: $(EXAMPLES) ## build the programs that use the library, src/examples/
 slides: ##course slides of all lessons as HTML and PDF, outputs/slides/ (pandoc, chromium)
 	plot/lessons/slides.py
 
-student: with-solutions ##course export the course without solutions as a folder that stands alone: make student TO=../course
-	@tests/lessons/student.py $(TO)
+student: with-solutions ##course export the course without solutions, with the library, as a folder that stands alone: make student TO=../course
+	@$(MAKE) --silent PORTABLE=1 student-export
+
+student-export: $(CHECKS) $(BUILD)/almesh
+	@tests/lessons/student.py --build $(BUILD) --flags '$(CXXFLAGS)' --parts '$(CHECKS)' $(TO)
+
+ifneq ($(PREBUILT),)
+$(filter %.o,$(CHECKS)): | $(BUILD)/flags ;
+endif
 
 check-lessons: $(CHECKS) ##course check the answers to all exercises: a table (ANSWERS=solutions)
 	@tests/lessons/answers.py --build $(BUILD) $(or $(ANSWERS),exercises)
@@ -385,7 +403,7 @@ lessons: with-solutions python $(BUILD)/almesh $(SHARED) $(EXAMPLES) $(LESSON_PR
 	tests/lessons/slides.py --self-test
 	tests/lessons/slides.py
 	tests/lessons/times.py --check
-	tests/lessons/student.py --self-test $(BUILD)
+	tests/lessons/student.py --build $(BUILD) --flags '$(CXXFLAGS)' --parts '$(CHECKS)' --self-test
 	tests/lessons/wrong.py --build $(BUILD)
 	tests/lessons/one_file.py --build $(BUILD)
 	tests/lessons/wrong_own.py --build $(BUILD)

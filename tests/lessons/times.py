@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""How long a lesson takes, estimated from what is in its handout: a table; with a folder of a build the seconds that its
-commands take here, too.
+"""How long a lesson takes, estimated from what is in its handout: a table; with a folder of a build the seconds that
+its commands take here, too.
 
   tests/lessons/times.py [--build FOLDER]   the table
   tests/lessons/times.py --check            whether the handouts' lines "Time." agree with it to ten minutes
@@ -47,8 +47,9 @@ def seconds(build, number):
 
 
 def table(handouts, build):
-    print("| Lesson | Words | Commands | Exercises | Read and run | Solve | In all |" + (" time to run |" if build else ""))
-    print("|---|---|---|---|---|---|---|" + ("---|" if build else ""))
+    head = ["Lesson", "Words", "Commands", "Exercises", "Read and run", "Solve", "In all"]
+    head += ["time to run"] if build else []
+    print("| " + " | ".join(head) + " |\n|" + "---|" * len(head))
     for path in handouts:
         counted = counts(path.read_text())
         read, solve = minutes(*counted)
