@@ -30,10 +30,10 @@ def words_of(line):
 
 
 def numbers_of(text):
-    """10⁻⁴ and $10^{-4}$ are 1e-4; subscripts are no numbers."""
+    """10⁻⁴ and $10^{-4}$ are 1e-4; subscripts and other exponents are no numbers."""
     text = re.sub(r"\b10([⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+)", lambda found: "1e" + found.group(1).translate(RAISED), text)
     text = re.sub(r"\b10\^\{?(-?\d+)\}?", r"1e\1", text)
-    return NUMBER.findall(re.sub(r"_\{[^}]*\}", " ", text))
+    return NUMBER.findall(re.sub(r"[_^]\{[^}]*\}", " ", text))
 
 
 def faults_of_slides(slides, handout, folder):
