@@ -95,7 +95,7 @@ TARGETS = [
     Target("hint-NN", goal="hint-01-1"),
     Target("own-almesh", settings=["ANSWERS=solutions"]),
     Target("slides", needs=["pandoc", "Chromium"]),
-    Target("student", settings=["TO=@folder/course"]),
+    Target("student", "minutes", settings=["TO=@folder/course"]),
     Target("check-lessons", settings=["ANSWERS=solutions"]),
     Target("lessons", "hours"),
     Target("wrong-answers", "hours"),
