@@ -48,7 +48,8 @@ def main(lessons):
     SLIDES.mkdir(parents=True, exist_ok=True)
     full = 0
     with tempfile.TemporaryDirectory() as profile:
-        for source in sorted((ROOT / "inputs" / "lessons").glob("[0-9]*/slides.md")):
+        for handout in sorted((ROOT / "inputs" / "lessons").glob("[0-9]*/README.md")):
+            source = handout.with_name("slides.md")
             if lessons and source.parent.name[:2] not in lessons:
                 continue
             page = SLIDES / f"{source.parent.name}.html"
