@@ -13,8 +13,8 @@
 #include "check/proof.hpp"
 #include "geometry/half_space.hpp"
 #include "geometry/patch.hpp"
-#include "mesh/lagrange.hpp"
 #include "mesh/mesh.hpp"
+#include "mesh/sub_simplices.hpp"
 
 namespace almesh {
 namespace {
@@ -124,48 +124,30 @@ private:
     }
 
     void add_patches() {
-        std::map<std::pair<const CellType*, std::array<int, 3>>, std::vector<double>> maps;
+        std::map<std::pair<const CellType*, CellChild>, SubSimplices> cuts;
         for (const int f : faces_)
-            for (const std::array<int, 3>& corner : corners_of(f)) {
-                std::vector<double>& S = maps[{&mesh_.face_cell(f), corner}];
-                if (S.empty()) S = map_of(mesh_.face_cell(f), corner);
+            for (const CellChild& corner : corners_of(f)) {
+                const CellType& cell = mesh_.face_cell(f);
+                const auto cut = cuts.try_emplace({&cell, corner}, cell, mesh_.degree, degree_, std::vector{corner});
                 NamedPatch& of = patches_.emplace_back();
                 for (int k = 0; k <= m_; ++k) of.name[k] = name_[mesh_.face(f)[corner[k]]];
                 const std::vector<Vec<3>> x = positions(mesh_, x_, mesh_.face(f), mesh_.face_nodes(f));
-                std::vector<Vec<3>> nodes(basis_.nodes, x[0]);
-                const double* weight = S.data();
-                for (Vec<3>& node : nodes)
-                    for (const Vec<3>& of_face : x) node = node + *weight++ * (of_face - x[0]);
-                of.patch = make_patch(basis_, nodes);
+                of.patch = make_patch(basis_, cut.first->second.nodes_of(0, x));
             }
     }
 
-    // A quadrilateral is cut at the diagonal from its corner with the least name.
-    std::vector<std::array<int, 3>> corners_of(int f) const {
+    // Ascending by name. A quadrilateral is cut at the diagonal from its corner with the least name.
+    std::vector<CellChild> corners_of(int f) const {
         const std::span<const int> v = mesh_.face_vertices(f);
         const auto less = [&](int i, int j) { return name_[v[i]] < name_[v[j]]; };
-        std::vector<std::array<int, 3>> all = {{0, 1, 2}};
+        std::vector<CellChild> all = {{0, 1, 2, -1}};
         if (v.size() == 4) {
             int least = 0;
             for (int i = 1; i < 4; ++i) least = less(i, least) ? i : least;
-            all = {{least, (least + 1) % 4, (least + 2) % 4}, {least, (least + 2) % 4, (least + 3) % 4}};
+            all = {{least, (least + 1) % 4, (least + 2) % 4, -1}, {least, (least + 2) % 4, (least + 3) % 4, -1}};
         }
-        for (std::array<int, 3>& corner : all) std::sort(corner.begin(), corner.begin() + m_ + 1, less);
+        for (CellChild& corner : all) std::sort(corner.begin(), corner.begin() + m_ + 1, less);
         return all;
-    }
-
-    // Nodes of the patch from those of the face: basis_.nodes x face nodes.
-    std::vector<double> map_of(const CellType& cell, const std::array<int, 3>& corner) const {
-        const LagrangeBasis face(cell, mesh_.degree);
-        std::vector<double> S(offset(basis_.nodes, face.count));
-        int row = 0;
-        for (const MultiIndex& b : gmsh_node_order(m_, degree_)) {
-            std::array<double, 3> xi{};
-            for (int k = 0; k <= m_; ++k)
-                for (int a = 0; a < face.dim; ++a) xi[a] += b[k] * face.point(corner[k])[a] / degree_;
-            face.values(xi.data(), &S[offset(row++, face.count)]);
-        }
-        return S;
     }
 
     // The cuts after which the checker sees that the patch has no point twice, or that the two have nothing in common

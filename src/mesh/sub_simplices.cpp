@@ -7,13 +7,14 @@
 
 namespace almesh {
 
-SubSimplices::SubSimplices(const CellType& cell, int cell_degree, int degree_)
+SubSimplices::SubSimplices(const CellType& cell, int cell_degree, int degree_, std::vector<CellChild> of)
     : degree(degree_),
       nodes(simplex_node_count(cell.dim, degree)),
       cell_nodes(cell.node_count(cell_degree)),
-      corners(cell.dim + 1) {
-    if (cell.is_simplex()) vertices = {{0, 1, 2, 3}};
-    else vertices = {{0, 1, 2, -1}, {0, 2, 3, -1}};
+      corners(cell.dim + 1),
+      vertices(std::move(of)) {
+    if (vertices.empty() && cell.is_simplex()) vertices = {{0, 1, 2, 3}};
+    else if (vertices.empty()) vertices = {{0, 1, 2, -1}, {0, 2, 3, -1}};
     const LagrangeBasis basis(cell, cell_degree);
     for (int v = 0; v < cell.vertices; ++v) corner_.push_back(basis.point(v));
     for (int k = 0; k < count(); ++k) {

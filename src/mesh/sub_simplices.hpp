@@ -7,6 +7,7 @@
 //
 // So what is known of curved triangles in space holds for quadrilateral faces. A simplex is the one that it is cut into.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -21,10 +22,13 @@ struct SubSimplices {
     std::vector<CellChild> vertices;       // of each simplex: vertices of the cell, dim + 1 entries, same orientation
     std::vector<std::vector<double>> map;  // of each simplex: S, nodes x cell_nodes, in Gmsh's order of both
 
-    SubSimplices(const CellType& cell, int cell_degree, int degree);  // of a lower degree they interpolate the cell
+    // of: as `vertices`; empty: all, along the first diagonal. Those of a lower degree interpolate the cell.
+    SubSimplices(const CellType& cell, int cell_degree, int degree, std::vector<CellChild> of = {});
 
     int count() const { return static_cast<int>(vertices.size()); }
-    bool is_cell() const { return count() == 1 && nodes == cell_nodes; }  // the cell itself, node by node
+    bool is_cell() const {  // the cell itself, node by node
+        return count() == 1 && nodes == cell_nodes && std::is_sorted(vertices[0].data(), vertices[0].data() + corners);
+    }
     // The reference coordinates in the cell of a point of simplex k, with these barycentric coordinates.
     std::array<double, 3> point(int k, const std::array<double, 4>& barycentric) const;
 
