@@ -22,7 +22,7 @@ ROOMS = {
     "check": 3077, "io": 3873, "problem": 5512, "deck": 1615, "report": 1942, "library": 1084,
     "app": 1429,
 }
-MOST = {"src/ without lessons and examples": 42724, "src/examples": 900, "src/lessons": 6000, "README.md": 180,
+MOST = {"src/ without lessons and examples": 42724, "src/examples": 900, "src/lessons": 6532, "README.md": 180,
         "Newton::minimise()": 30, "include depth": 10, "a file": 490, "includes beyond the line": 14}
 # topic: most files, most lines, the files: both of `name.*` where there are two.
 TOPICS = {

@@ -1,0 +1,15 @@
+// Answers to the exercises of lesson 13: change the lines marked ANSWER.
+#include "lessons/exercises/13.hpp"
+
+namespace almesh::lessons {
+
+int orientation(const Point& a, const Point& b, const Point& c) {
+    const double u = double(b[0] - a[0]), v = double(b[1] - a[1]);
+    return u * double(c[1] - a[1]) > v * double(c[0] - a[0]) ? 1 : -1;  // ANSWER 13.1
+}
+
+bool have_common_point(const Segment& /*s*/, const Segment& /*t*/) {
+    return false;  // ANSWER 13.2
+}
+
+}  // namespace almesh::lessons

@@ -1,0 +1,25 @@
+// Exercises of lesson 13: a checker that trusts nobody. Answers go into 13.cpp; `make check-lesson-13` says which hold.
+#pragma once
+#include <array>
+#include <string>
+#include <vector>
+
+namespace almesh::lessons {
+
+// Coordinates are whole numbers, at most 2^60 by absolute value: binary fractions times a power of two. A Wide has 128
+// bits; both compilers have it on machines of 64 bits.
+__extension__ typedef __int128 Wide;
+using Point = std::array<long long, 2>;
+using Segment = std::array<Point, 2>;
+using Edge = std::array<int, 2>;  // two nodes
+using Triangle = std::array<int, 3>;
+
+// 13.1 The sign of det(b - a, c - a), exactly: 1 where a, b, c go around counter-clockwise, -1 clockwise, 0 where they
+// lie on a line.
+int orientation(const Point& a, const Point& b, const Point& c);
+
+// 13.2 Whether two segments, with their ends, have a point in common. They may touch or lie on a line, and the two ends
+// of a segment may be the same point.
+bool have_common_point(const Segment& s, const Segment& t);
+
+}  // namespace almesh::lessons

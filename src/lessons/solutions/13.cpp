@@ -1,0 +1,40 @@
+// Solutions of the exercises of lesson 13.
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <set>
+
+#include "lessons/exercises/13.hpp"
+
+namespace almesh::lessons {
+
+namespace {
+
+// Differences of coordinates are at most 2^61, products 2^122, their difference 2^123.
+int turn(const Point& a, const Point& b, const Point& c) {
+    const Wide det = Wide(b[0] - a[0]) * (c[1] - a[1]) - Wide(b[1] - a[1]) * (c[0] - a[0]);
+    return (det > 0) - (det < 0);
+}
+
+bool is_on(const Point& p, const Segment& s) {
+    if (turn(s[0], s[1], p) != 0) return false;
+    for (int k = 0; k < 2; ++k)
+        if (p[k] < std::min(s[0][k], s[1][k]) || p[k] > std::max(s[0][k], s[1][k])) return false;
+    return true;
+}
+
+bool touch(const Segment& s, const Segment& t) {
+    return is_on(t[0], s) || is_on(t[1], s) || is_on(s[0], t) || is_on(s[1], t);
+}
+
+bool cross(const Segment& s, const Segment& t) {
+    return turn(s[0], s[1], t[0]) * turn(s[0], s[1], t[1]) < 0 && turn(t[0], t[1], s[0]) * turn(t[0], t[1], s[1]) < 0;
+}
+
+}  // namespace
+
+int orientation(const Point& a, const Point& b, const Point& c) { return turn(a, b, c); }
+
+bool have_common_point(const Segment& s, const Segment& t) { return touch(s, t) || cross(s, t); }
+
+}  // namespace almesh::lessons

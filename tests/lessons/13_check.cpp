@@ -1,0 +1,174 @@
+#include "lessons/exercises/13.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <numbers>
+#include <set>
+#include <sstream>
+
+#include "lessons/exercise.hpp"
+#include "support/program.hpp"
+
+namespace almesh::lessons {
+namespace {
+
+constexpr long long most = 1LL << 60;
+
+std::string text_of(const Point& p) { return concat("(", p[0], ", ", p[1], ")"); }
+std::string text_of(const Segment& s) { return concat(text_of(s[0]), " to ", text_of(s[1])); }
+
+Wide cross(const Point& u, const Point& v) { return Wide(u[0]) * v[1] - Wide(u[1]) * v[0]; }
+Point minus(const Point& a, const Point& b) { return {a[0] - b[0], a[1] - b[1]}; }
+int sign(Wide a) { return (a > 0) - (a < 0); }
+
+// At most 60 bits, the first of them set: no floating-point number holds them all.
+long long many_bits(int bits) {
+    Random& random = random_inputs();
+    long long number = 1;
+    for (int k = 1; k < bits; ++k) number = 2 * number + random.integer(0, 1);
+    return number;
+}
+
+// (u, v) with u x v = 1, both of so many bits.
+std::array<Point, 2> nearly_parallel(int bits) {
+    for (;;) {
+        const Point u = {many_bits(bits), many_bits(bits)};
+        long long p = u[0], q = u[1];
+        Point of_p = {1, 0}, of_q = {0, 1};  // Euclid's algorithm: p = of_p[0] u[0] + of_p[1] u[1]
+        while (q != 0) {
+            const long long times = p / q;
+            std::swap(p -= times * q, q);
+            for (int k = 0; k < 2; ++k) std::swap(of_p[k] -= times * of_q[k], of_q[k]);
+        }
+        if (p == 1) return {u, {-of_p[1], of_p[0]}};
+    }
+}
+
+// x -> A x + b with whole numbers, det A = 1: it changes no orientation, no common point and no cover number.
+struct Map {
+    long long a = 1, b = 0, c = 0, d = 1;
+    Point shift{};
+
+    // For coordinates below 2^small; images are below 2^bits.
+    static Map random(int small, int bits) {
+        const auto [u, v] = nearly_parallel(bits - small - 2);
+        const Point shift = {many_bits(bits - 2), -many_bits(bits - 2)};
+        if (random_inputs().integer(0, 1)) return {u[0], v[0], u[1], v[1], shift};
+        return {u[1], v[1], -u[0], -v[0], shift};
+    }
+    // Heights and horizontal edges stay what they are.
+    static Map shifted(int bits) { return {1, 0, 0, 1, {-many_bits(bits - 1), many_bits(bits - 1)}}; }
+
+    Point operator()(const Point& p) const { return {a * p[0] + b * p[1] + shift[0], c * p[0] + d * p[1] + shift[1]}; }
+    Segment operator()(const Segment& s) const { return {(*this)(s[0]), (*this)(s[1])}; }
+};
+
+Point small_point(int range) {
+    Random& random = random_inputs();
+    const int x = random.integer(-range, range);
+    return {x, random.integer(-range, range)};
+}
+
+// ------------------------------------------------------------------------------------------------------------ 13.1
+
+void expect_orientation(const Point& a, const Point& b, const Point& c, int expected, const std::string& hint) {
+    const int found = orientation(a, b, c);
+    expect(found == expected, "the orientation of ", text_of(a), ", ", text_of(b), ", ", text_of(c), " is ", found,
+           ", expected ", expected, ": ", hint);
+}
+
+EXERCISE("13.1", "the exact orientation of three points") {
+    Random& random = random_inputs();
+    const std::string plain = "the sign of (b - a) x (c - a), 0 for points on a line";
+    expect_orientation({0, 0}, {1, 0}, {0, 1}, 1, plain);
+    expect_orientation({0, 0}, {0, 1}, {1, 0}, -1, plain);
+    expect_orientation({1, 1}, {1, 1}, {5, 7}, 0, plain);
+    for (int k = 0; k < 30; ++k) {
+        const Point a = small_point(4), b = small_point(4), c = small_point(4);
+        expect_orientation(a, b, c, sign(cross(minus(b, a), minus(c, a))), plain);
+    }
+    expect_orientation({-most, -most}, {most, -most}, {most, most}, 1, "a triangle as large as can be");
+    expect_orientation({-most, -most}, {most, most}, {most - 1, most}, 1, "one is a unit beside the line");
+    for (int k = 0; k < 60; ++k) {  // areas of a few units, sides of 2^57
+        const Point a = small_point(2), b = small_point(2), c = small_point(2);
+        const Map map = Map::random(2, 59);
+        const int twice_the_area = static_cast<int>(cross(minus(b, a), minus(c, a)));
+        expect_orientation(map(a), map(b), map(c), sign(twice_the_area),
+                           concat("the determinant of this long triangle is ", twice_the_area));
+    }
+    for (int k = 0; k < 30; ++k) {  // c = a + t (b - a) + e is as far off the line as e, which is a unit or nothing
+        const int bits = random.integer(20, 58), t = random.integer(1, 3);
+        const Point a = {-many_bits(bits), many_bits(bits)}, off = small_point(1);
+        Point d = {many_bits(bits), many_bits(bits - random.integer(0, 19))};
+        if (random.integer(0, 1)) d[0] = -d[0];
+        const Point b = {a[0] + d[0], a[1] + d[1]}, c = {a[0] + t * d[0] + off[0], a[1] + t * d[1] + off[1]};
+        if (std::max({std::abs(c[0]), std::abs(c[1])}) > most) continue;
+        const int expected = sign(cross(d, off));
+        const std::string hint = off == Point{} ? "the three are on a line" : "one is a unit beside the line";
+        expect_orientation(a, b, c, expected, hint);
+        expect_orientation(c, a, b, expected, hint);
+        expect_orientation(b, a, c, -expected, hint);
+    }
+}
+
+// ------------------------------------------------------------------------------------------------------------ 13.2
+
+bool is_between(long long p, long long a, long long b) { return std::min(a, b) <= p && p <= std::max(a, b); }
+
+// Of segments with small coordinates: s[0] + t u = s'[0] + t' u' with t and t' in [0, 1].
+bool in_common(const Segment& s, const Segment& other) {
+    const Point u = minus(s[1], s[0]), v = minus(other[1], other[0]), w = minus(other[0], s[0]);
+    if (Wide D = cross(u, v); D != 0) {
+        Wide t = cross(w, v), t_other = cross(w, u);
+        if (D < 0) D = -D, t = -t, t_other = -t_other;
+        return t >= 0 && t <= D && t_other >= 0 && t_other <= D;
+    }
+    if (cross(u, w) != 0 || cross(v, w) != 0) return false;
+    // On a line, so where one holds an end of the other; a point beside a point is not between.
+    for (const auto& [one, two] : {std::pair(s, other), std::pair(other, s)})
+        for (const Point& end : two)
+            if (is_between(end[0], one[0][0], one[1][0]) && is_between(end[1], one[0][1], one[1][1])) return true;
+    return false;
+}
+
+void expect_common(const Segment& s, const Segment& t, bool expected, const std::string& where = "") {
+    const bool found = have_common_point(s, t);
+    const bool is_point = s[0] == s[1] || t[0] == t[1], parallel = cross(minus(s[1], s[0]), minus(t[1], t[0])) == 0;
+    expect(found == expected, "the segments ", text_of(s), " and ", text_of(t), where,
+           is_point ? ", one of them a point," : parallel ? ", which are parallel," : "",
+           expected ? " have a point in common, the answer was no" : " have none in common, the answer was yes");
+}
+
+EXERCISE("13.2", "whether two segments have a point in common") {
+    Random& random = random_inputs();
+    expect_common({{{0, 0}, {4, 4}}}, {{{0, 4}, {4, 0}}}, true);
+    expect_common({{{0, 0}, {4, 0}}}, {{{2, 0}, {2, 3}}}, true);
+    expect_common({{{0, 0}, {4, 0}}}, {{{5, 0}, {7, 0}}}, false);
+    expect_common({{{0, 0}, {6, 0}}}, {{{2, 0}, {3, 0}}}, true);
+    expect_common({{{0, 0}, {0, 0}}}, {{{-1, -1}, {1, 1}}}, true);
+    for (int k = 0; k < 90; ++k) {  // a grid so coarse that most touch
+        const int range = k % 3 + 1;
+        const Point a = small_point(range), b = small_point(range), c = small_point(range), d = small_point(range);
+        const Segment s = {a, k % 10 == 0 ? a : b}, t = {c, d};
+        expect_common(s, t, in_common(s, t));
+        if (k % 2) continue;
+        const Map map = Map::random(3, 58);
+        expect_common(map(s), map(t), in_common(s, t), " (they touch or cross as small ones do)");
+    }
+    for (int k = 0; k < 40; ++k) {  // an end a unit from the other segment, on it, or a unit beyond
+        const long long u = many_bits(random.integer(10, 56)), v = many_bits(random.integer(10, 56));
+        const Point shift = {-many_bits(58), many_bits(57)}, off = small_point(1), far = {-v, u};
+        const auto put = [&](Wide x, Wide y) {
+            return Point{static_cast<long long>(x + shift[0]), static_cast<long long>(y + shift[1])};
+        };
+        const Segment s = {put(-u, -v), put(u, v)}, t = {put(off[0], off[1]), put(off[0] + far[0], off[1] + far[1])};
+        const bool expected = sign(cross({u, v}, off)) <= 0;  // far is on the left of s
+        expect_common(s, t, expected, " (an end of one is a unit from the other, or on it)");
+    }
+}
+
+}  // namespace
+}  // namespace almesh::lessons
