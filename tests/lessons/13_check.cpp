@@ -170,5 +170,162 @@ EXERCISE("13.2", "whether two segments have a point in common") {
     }
 }
 
+// ------------------------------------------------------------------------------------------------------------ meshes
+
+Point on_circle(double radius, double turn) {
+    constexpr double unit = 1 << 20;
+    const double angle = 2 * std::numbers::pi * turn;
+    return {std::llround(unit * radius * std::cos(angle)), std::llround(unit * radius * std::sin(angle))};
+}
+
+// m sectors around a centre, in so many turns.
+Triangulation fan(int m, double radius, int turns, double start) {
+    Triangulation mesh{{{0, 0}}, {}};
+    for (int i = 0; i < m; ++i) {
+        mesh.x.push_back(on_circle(radius, start + double(turns) * i / m));
+        mesh.triangles.push_back({0, 1 + i, 1 + (i + 1) % m});
+    }
+    return mesh;
+}
+
+// A closed strip of 2 m triangles between two circles, in so many turns.
+Triangulation strip(int m, double inner, double outer, int turns, double start) {
+    Triangulation mesh;
+    for (int i = 0; i < m; ++i) {
+        const int next = (i + 1) % m;
+        mesh.x.push_back(on_circle(inner, start + double(turns) * i / m));
+        mesh.x.push_back(on_circle(outer, start + double(turns) * i / m));
+        mesh.triangles.push_back({2 * i, 2 * i + 1, 2 * next + 1});
+        mesh.triangles.push_back({2 * i, 2 * next + 1, 2 * next});
+    }
+    return mesh;
+}
+
+Triangulation together(Triangulation one, const Triangulation& other) {
+    const int first = static_cast<int>(one.x.size());
+    one.x.insert(one.x.end(), other.x.begin(), other.x.end());
+    for (const auto& [i, j, k] : other.triangles) one.triangles.push_back({first + i, first + j, first + k});
+    return one;
+}
+
+// Two octagons over each other that have exchanged their lower halves along two paths between the nodes 0 and 1: who
+// goes around one of these nodes comes to the other octagon. All triangles are sound, the boundary is two octagons.
+Triangulation two_sheets(double inner, double outer, double start) {
+    Triangulation mesh{{on_circle(0.5, start + 0.5), on_circle(0.5, start), on_circle(0.1, start + 0.25),
+                        on_circle(0.1, start + 0.75)}, {}};
+    for (const double radius : {outer, inner}) {
+        const int above = radius == outer ? 2 : 3, below = 5 - above, first = static_cast<int>(mesh.x.size());
+        for (int k = 0; k < 8; ++k) mesh.x.push_back(on_circle(radius, start + k / 8.0));
+        const int centre[9] = {1, above, above, 0, 0, below, below, 1, 1};  // of the side from k to k + 1
+        for (int k = 0; k < 8; ++k) {
+            const int i = first + k, j = first + (k + 1) % 8;
+            mesh.triangles.push_back({centre[k], i, j});
+            if (centre[k] != centre[k + 1]) mesh.triangles.push_back({centre[k], j, centre[k + 1]});
+        }
+    }
+    return mesh;
+}
+
+// Rows of squares cut in two, its nodes moved.
+Triangulation grid(int m, int n, int spacing, int moved) {
+    Triangulation mesh;
+    const auto id = [&](int i, int j) { return i + (m + 1) * j; };
+    for (int j = 0; j <= n; ++j)
+        for (int i = 0; i <= m; ++i) {
+            const Point off = small_point(moved);
+            mesh.x.push_back({i * spacing + off[0], j * spacing + off[1]});
+        }
+    for (int j = 0; j < n; ++j)
+        for (int i = 0; i < m; ++i) {
+            mesh.triangles.push_back({id(i, j), id(i + 1, j), id(i + 1, j + 1)});
+            mesh.triangles.push_back({id(i, j), id(i + 1, j + 1), id(i, j + 1)});
+        }
+    return mesh;
+}
+
+void leave_out(Triangulation& mesh, int count) {
+    random_inputs().shuffle(mesh.triangles);
+    mesh.triangles.resize(std::max(2, static_cast<int>(mesh.triangles.size()) - count));
+}
+
+// Other numbers for the nodes, another order of triangles, another first node in each.
+Triangulation shuffled(const Triangulation& mesh) {
+    Random& random = random_inputs();
+    std::vector<int> place(mesh.x.size());
+    for (std::size_t i = 0; i < place.size(); ++i) place[i] = static_cast<int>(i);
+    random.shuffle(place);
+    Triangulation other{std::vector<Point>(place.size()), {}};
+    for (std::size_t i = 0; i < place.size(); ++i) other.x[place[i]] = mesh.x[i];
+    for (const Triangle& t : mesh.triangles) {
+        const int k = random.integer(0, 2);
+        other.triangles.push_back({place[t[k]], place[t[(k + 1) % 3]], place[t[(k + 2) % 3]]});
+    }
+    random.shuffle(other.triangles);
+    return other;
+}
+
+std::map<Edge, int> sides_of(const std::vector<Triangle>& triangles) {
+    std::map<Edge, int> count;
+    for (const auto& [i, j, k] : triangles) ++count[{i, j}], ++count[{j, k}], ++count[{k, i}];
+    return count;
+}
+
+std::vector<Edge> boundary_of(const std::vector<Triangle>& triangles) {
+    const std::map<Edge, int> sides = sides_of(triangles);
+    std::vector<Edge> boundary;
+    for (const auto& [side, count] : sides)
+        if (!sides.count({side[1], side[0]})) boundary.push_back(side);
+    return boundary;
+}
+
+// ------------------------------------------------------------------------------------------------------------ 13.3
+
+void expect_boundary(const Triangulation& mesh, const std::string& what) {
+    const std::vector<Edge> expected = boundary_of(mesh.triangles);
+    std::vector<Edge> found = boundary_edges(mesh.triangles);
+    expect(found.size() == expected.size(), what, " has ", expected.size(), " edges on its boundary, the answer has ",
+           found.size(), ": those of which only one triangle has both nodes");
+    std::sort(found.begin(), found.end());
+    for (const auto& [i, j] : found)
+        expect(std::binary_search(expected.begin(), expected.end(), Edge{i, j}), "the edge from ", i, " to ", j, " of ",
+               what, std::binary_search(expected.begin(), expected.end(), Edge{j, i})
+                         ? " goes the other way: the triangle is on its left, as its nodes have it"
+                         : " is not on the boundary");
+    expect(std::adjacent_find(found.begin(), found.end()) == found.end(), "an edge of ", what, " is there twice");
+}
+
+void expect_refused(const std::vector<Triangle>& triangles, const std::string& what) {
+    expect(boundary_edges(triangles).empty(), what, ": the answer has edges, expected none");
+}
+
+EXERCISE("13.3", "the edges of a boundary") {
+    Random& random = random_inputs();
+    for (int k = 0; k < 12; ++k) {
+        Triangulation mesh = k % 3 == 0   ? strip(random.integer(5, 9), 1, 2, 1 + k % 2, 0)
+                             : k % 3 == 1 ? grid(random.integer(1, 5), random.integer(1, 5), 10, 0)
+                                          : together(fan(random.integer(3, 8), 1, 1, 0), two_sheets(1, 2, 0));
+        if (k > 5) leave_out(mesh, random.integer(1, 4));
+        mesh = shuffled(mesh);
+        expect_boundary(mesh, "a mesh");
+        const int step = 65536 * (32767 / static_cast<int>(mesh.x.size()));
+        for (Triangle& t : mesh.triangles)
+            for (int& i : t) i = 7 + step * i;
+        expect_boundary(mesh, "a mesh with large numbers of nodes");
+        std::vector<Triangle> wrong = mesh.triangles;
+        const auto [i, j, l] = wrong[random.integer(0, static_cast<int>(wrong.size()) - 1)];
+        wrong.push_back({j, l, i});
+        expect_refused(wrong, "a triangle is there twice");
+        wrong.back() = {0, i, j};
+        random.shuffle(wrong);
+        expect_refused(wrong, "two triangles are on the same side of an edge");
+    }
+    expect_refused({{1, 2, 3}, {2, 1, 4}, {2, 1, 5}}, "three triangles have the edge of the nodes 1 and 2");
+    expect_refused({{1, 2, 3}, {1, 2, 4}}, "two triangles are on the same side of the edge from 1 to 2");
+    expect_refused({{1, 2, 3}, {2, 1, 4}, {1, 2, 5}, {2, 1, 6}}, "four triangles have the edge of the nodes 1 and 2");
+    const Triangulation large = shuffled(grid(120, 120, 10, 0));
+    expect_soon("28800 triangles take more than five seconds");
+    expect_boundary(large, "a mesh of 28800 triangles");
+}
+
 }  // namespace
 }  // namespace almesh::lessons

@@ -12,4 +12,8 @@ bool have_common_point(const Segment& /*s*/, const Segment& /*t*/) {
     return false;  // ANSWER 13.2
 }
 
+std::vector<Edge> boundary_edges(const std::vector<Triangle>& /*triangles*/) {
+    return {};  // ANSWER 13.3
+}
+
 }  // namespace almesh::lessons

@@ -22,4 +22,15 @@ int orientation(const Point& a, const Point& b, const Point& c);
 // of a segment may be the same point.
 bool have_common_point(const Segment& s, const Segment& t);
 
+// 13.3 The edges of the boundary of a triangulation whose triangles all go around counter-clockwise, in any order, each
+// from its first node to its second with the triangle on the left. Empty where more than two triangles have an edge, or
+// two lie on the same side of it. Numbers of nodes are not negative, and may be as large as an int. A mesh may have
+// many thousand triangles.
+std::vector<Edge> boundary_edges(const std::vector<Triangle>& triangles);
+
+struct Triangulation {
+    std::vector<Point> x;  // of the nodes, at most 2^58 by absolute value; a node need not be in any triangle
+    std::vector<Triangle> triangles;
+};
+
 }  // namespace almesh::lessons

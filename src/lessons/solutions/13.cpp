@@ -31,10 +31,25 @@ bool cross(const Segment& s, const Segment& t) {
     return turn(s[0], s[1], t[0]) * turn(s[0], s[1], t[1]) < 0 && turn(t[0], t[1], s[0]) * turn(t[0], t[1], s[1]) < 0;
 }
 
+// Sides of triangles without one on the other side; none at all where a side is there twice, as it is where three
+// triangles have an edge.
+std::vector<Edge> open_sides(const std::vector<Triangle>& triangles) {
+    std::set<Edge> sides;
+    for (const Triangle& t : triangles)
+        for (int k = 0; k < 3; ++k)
+            if (!sides.insert({t[k], t[(k + 1) % 3]}).second) return {};
+    std::vector<Edge> open;
+    for (const auto& [i, j] : sides)
+        if (!sides.count({j, i})) open.push_back({i, j});
+    return open;
+}
+
 }  // namespace
 
 int orientation(const Point& a, const Point& b, const Point& c) { return turn(a, b, c); }
 
 bool have_common_point(const Segment& s, const Segment& t) { return touch(s, t) || cross(s, t); }
+
+std::vector<Edge> boundary_edges(const std::vector<Triangle>& triangles) { return open_sides(triangles); }
 
 }  // namespace almesh::lessons
