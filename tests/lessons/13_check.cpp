@@ -327,5 +327,65 @@ EXERCISE("13.3", "the edges of a boundary") {
     expect_boundary(large, "a mesh of 28800 triangles");
 }
 
+// ------------------------------------------------------------------------------------------------------------ 13.4
+
+// How often closed curves with small coordinates wind around y, by the sum of their angles.
+int winding(const std::vector<Segment>& curves, const Point& y) {
+    double sum = 0;
+    for (const auto& [a, b] : curves) {
+        const Point u = minus(a, y), v = minus(b, y);
+        sum += std::atan2(double(cross(u, v)), double(u[0] * v[0] + u[1] * v[1]));
+    }
+    return static_cast<int>(std::lround(sum / (2 * std::numbers::pi)));
+}
+
+// Curves around a centre in several turns, counter-clockwise, and some clockwise: the boundaries of bodies and holes.
+std::vector<Segment> random_curves() {
+    Random& random = random_inputs();
+    std::vector<Segment> curves;
+    for (int curve = random.integer(1, 3); curve > 0; --curve) {
+        const int m = random.integer(3, 9), turns = m > 6 ? random.integer(1, 2) : 1;
+        std::vector<Point> p;
+        for (int i = 0; i < m; ++i) {
+            const double radius = random.uniform(2, 9), angle = 2 * std::numbers::pi * turns * i / m;
+            p.push_back({std::llround(radius * std::cos(angle)), std::llround(radius * std::sin(angle))});
+        }
+        if (random.integer(0, 3) == 0) std::reverse(p.begin(), p.end());
+        for (int i = 0; i < m; ++i)
+            if (p[i] != p[(i + 1) % m]) curves.push_back({p[i], p[(i + 1) % m]});
+    }
+    random.shuffle(curves);
+    return curves;
+}
+
+EXERCISE("13.4", "how often a point is covered") {
+    Random& random = random_inputs();
+    const std::vector<Segment> square = {
+        {{{0, 0}, {4, 0}}}, {{{4, 0}, {4, 4}}}, {{{4, 4}, {0, 4}}}, {{{0, 4}, {0, 0}}}};
+    for (const auto& [y, expected] : {std::pair(Point{2, 2}, 1), std::pair(Point{5, 2}, 0), std::pair(Point{-3, 4}, 0),
+                                      std::pair(Point{-3, 0}, 0), std::pair(Point{9, 4}, 0)}) {
+        const int found = cover_number(square, y);
+        expect(found == expected, "the square (0, 4) x (0, 4) covers ", text_of(y), " ", found, " times, expected ",
+               expected);
+    }
+    for (int k = 0; k < 150; ++k) {
+        std::vector<Segment> curves = random_curves();
+        Point y = small_point(9);
+        if (random.integer(0, 1)) y[1] = curves[0][0][1];  // at the height of a node
+        const bool is_on = std::any_of(curves.begin(), curves.end(),
+                                       [&](const Segment& s) { return in_common(s, {y, y}); });
+        if (is_on) continue;
+        const int expected = winding(curves, y);
+        const Map map = k % 3 == 0 ? Map{} : k % 3 == 1 ? Map::shifted(58) : Map::random(4, 58);
+        for (Segment& s : curves) s = map(s);
+        const bool is_level = std::any_of(curves.begin(), curves.end(),
+                                          [&](const Segment& s) { return s[0][1] == map(y)[1]; });
+        const int found = cover_number(curves, map(y));
+        expect(found == expected, "the ", curves.size(), " edges of closed curves cover the point ", text_of(map(y)),
+               " ", found, " times, expected ", expected, is_level ? ": nodes are at the height of the point" : "",
+               k % 3 == 2 ? ": they are those of small curves, mapped so that they are long and thin" : "");
+    }
+}
+
 }  // namespace
 }  // namespace almesh::lessons

@@ -28,6 +28,10 @@ bool have_common_point(const Segment& s, const Segment& t);
 // many thousand triangles.
 std::vector<Edge> boundary_edges(const std::vector<Triangle>& triangles);
 
+// 13.4 How often the point y is covered by a mesh whose boundary is given, every edge with its triangle on the left. y
+// is not on the boundary. The edges are in any order.
+int cover_number(const std::vector<Segment>& boundary, const Point& y);
+
 struct Triangulation {
     std::vector<Point> x;  // of the nodes, at most 2^58 by absolute value; a node need not be in any triangle
     std::vector<Triangle> triangles;

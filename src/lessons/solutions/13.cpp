@@ -52,4 +52,14 @@ bool have_common_point(const Segment& s, const Segment& t) { return touch(s, t) 
 
 std::vector<Edge> boundary_edges(const std::vector<Triangle>& triangles) { return open_sides(triangles); }
 
+int cover_number(const std::vector<Segment>& boundary, const Point& y) {
+    int number = 0;  // edges that cross the ray from y to the right: upwards, less those downwards
+    for (const auto& [a, b] : boundary) {
+        const bool is_upward = a[1] <= y[1] && y[1] < b[1], is_downward = b[1] <= y[1] && y[1] < a[1];
+        if (is_upward && turn(a, b, y) > 0) ++number;
+        if (is_downward && turn(a, b, y) < 0) --number;
+    }
+    return number;
+}
+
 }  // namespace almesh::lessons
