@@ -387,5 +387,133 @@ EXERCISE("13.4", "how often a point is covered") {
     }
 }
 
+// ------------------------------------------------------------------------------------------------------------ 13.5
+
+// Whether no two triangles have inner points in common: then the line of a side separates them.
+bool overlap(const Triangulation& mesh, const Triangle& s, const Triangle& t) {
+    for (const auto& [one, two] : {std::pair(s, t), std::pair(t, s)})
+        for (int k = 0; k < 3; ++k) {
+            const Point &a = mesh.x[one[k]], &b = mesh.x[one[(k + 1) % 3]];
+            const bool is_beyond = std::all_of(two.begin(), two.end(), [&](int i) {
+                return cross(minus(b, a), minus(mesh.x[i], a)) <= 0;
+            });
+            if (is_beyond) return false;
+        }
+    return true;
+}
+
+// "" where the certificate holds, or what is wrong.
+std::string fault_of(const Triangulation& mesh) {
+    for (const auto& [i, j, k] : mesh.triangles)
+        if (cross(minus(mesh.x[j], mesh.x[i]), minus(mesh.x[k], mesh.x[i])) <= 0)
+            return "a triangle is flat or goes around clockwise";
+    for (const auto& [side, count] : sides_of(mesh.triangles))
+        if (count > 1) return "two triangles are on the same side of an edge";
+    const std::vector<Edge> boundary = boundary_of(mesh.triangles);
+    for (std::size_t i = 0; i < boundary.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j) {
+            const Edge &e = boundary[i], &f = boundary[j];
+            const auto at = [&](const Edge& edge) { return Segment{mesh.x[edge[0]], mesh.x[edge[1]]}; };
+            const auto shared = std::find_first_of(e.begin(), e.end(), f.begin(), f.end());
+            if (shared == e.end()) {
+                if (in_common(at(e), at(f))) return "two edges of the boundary meet away from a common node";
+                continue;
+            }
+            const Point p = mesh.x[*shared];
+            const Point u = minus(mesh.x[e[0] == *shared ? e[1] : e[0]], p);
+            const Point v = minus(mesh.x[f[0] == *shared ? f[1] : f[0]], p);
+            if (cross(u, v) == 0 && Wide(u[0]) * v[0] + Wide(u[1]) * v[1] > 0)
+                return "two edges of the boundary go the same way from a common node";
+        }
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j)
+            if (overlap(mesh, mesh.triangles[i], mesh.triangles[j]))
+                return "points just inside of an edge of the boundary are covered more than once";
+    return "";
+}
+
+void expect_certificate(const Triangulation& given, const std::string& what, int bits = 0) {
+    Triangulation mesh = shuffled(given);
+    const std::string fault = fault_of(mesh);
+    if (bits > 0) {
+        const Map map = Map::random(23, bits);
+        for (Point& p : mesh.x) p = map(p);
+    }
+    const bool found = proved_injective(mesh);
+    expect(found || !fault.empty(), what, ", ", mesh.triangles.size(), " triangles: not proved, but all holds",
+           bits > 0 ? " (coordinates are large: in exact arithmetic it does)" : "");
+    expect(!found || fault.empty(), what, ", ", mesh.triangles.size(), " triangles: proved, but ", fault,
+           bits > 0 ? " (coordinates are large)" : "");
+}
+
+// A square with the square (1, 1) to (3, 3) left out, in units of 2^10; a triangle in the hole, its corner `gap` beyond
+// the hole's right edge, not in its middle.
+Triangulation touching(int gap) {
+    Triangulation mesh = grid(4, 4, 1 << 10, 0);
+    std::vector<Triangle> kept;
+    for (int k = 0; k < 32; ++k)
+        if (const int i = k / 2 % 4, j = k / 8; i < 1 || i > 2 || j < 1 || j > 2) kept.push_back(mesh.triangles[k]);
+    mesh.triangles = kept;
+    const int height = random_inputs().integer(1100, 2900);
+    return together(mesh, {{{1500, 1500}, {3072 + gap, height}, {1500, 2500}}, {{0, 1, 2}}});
+}
+
+EXERCISE("13.5", "the certificate of a mesh") {
+    Random& random = random_inputs();
+    expect_certificate({{{0, 0}, {4, 0}, {0, 4}}, {{0, 1, 2}}}, "one triangle");
+    expect_certificate({{{0, 0}, {4, 0}, {0, 4}}, {{0, 2, 1}}}, "a triangle turned over");
+    expect_certificate({{{0, 0}, {4, 0}, {8, 0}}, {{0, 1, 2}}}, "a flat triangle");
+    for (const int off : {-1, 0, 1})  // the third is flat, one unit to either side of that
+        expect_certificate({{{0, 0}, {400, 0}, {400, 400}, {0, 400}, {200, 200 + off}},
+                            {{0, 1, 2}, {0, 4, 3}, {0, 2, 4}, {4, 2, 3}}},
+                           "a square with a triangle as flat as can be");
+    for (int k = 0; k < 4; ++k) {
+        const double start = random.uniform(0, 1);
+        const int m = random.integer(5, 9), bits = k % 2 ? 57 : 0;
+        expect_certificate(strip(m, 1, 2, 1, start), "a ring", bits);
+        expect_certificate(strip(2 * m + 1, 1, 2, 2, start), "a strip that goes around a ring twice", bits);
+        expect_certificate(fan(m, 1, 1, start), "a disc", bits);
+        expect_certificate(fan(2 * m + 1, 1, 2, start), "a fan that goes around its vertex twice", bits);
+        expect_certificate(two_sheets(1, 2, start), "two discs that are joined crosswise", bits);
+        const Triangulation ring = strip(m + 4, 1, 2, 1, start);
+        const auto disc = [&](int sides, double radius) { return fan(sides, radius, 1, start); };
+        expect_certificate(together(ring, disc(m, 0.5)), "a disc in the hole of a ring", bits);
+        const Triangulation narrow = strip(m + 3, 0.25, 2, 1, start);
+        expect_certificate(together(disc(m, 0.5), narrow), "a disc over a hole", bits);
+        expect_certificate(together(disc(m, 0.5), disc(m + 1, 2)), "a disc within a disc", bits);
+        expect_certificate(together(disc(m, 2.5), ring), "a disc around a ring", bits);
+        expect_certificate(together(ring, disc(m + 4, 1.02)), "a disc slightly larger than its hole", bits);
+        expect_certificate(together(ring, disc(m + 4, 0.98)), "a disc slightly smaller than its hole", bits);
+        expect_certificate(together(ring, disc(m + 4, 1)), "a disc as large as its hole, not joined", bits);
+        for (const int gap : {-1, 0, 1})
+            expect_certificate(touching(gap), "a corner one unit from an edge, or on it", bits);
+    }
+    // A node on an edge of another triangle; edges over each other, from a common node and not.
+    expect_certificate({{{0, 0}, {4, 0}, {4, 4}, {2, 0}, {4, -4}}, {{0, 1, 2}, {0, 4, 3}, {3, 4, 1}}},
+                       "a hanging node");
+    expect_certificate({{{0, 0}, {4, 0}, {2, 4}, {6, 0}, {2, -4}}, {{0, 1, 2}, {4, 3, 0}}},
+                       "two triangles whose edges lie over each other");
+    expect_certificate({{{0, 0}, {4, 0}, {2, 4}, {-2, -4}, {3, -5}}, {{0, 1, 2}, {0, 3, 4}}},
+                       "two triangles with a common corner");
+    expect_certificate({{{0, 0}, {4, 0}, {2, 4}, {-2, -4}, {3, -5}, {0, 0}}, {{0, 1, 2}, {5, 3, 4}}},
+                       "two triangles with corners at the same place, which are two nodes");
+    expect_certificate({{{0, 0}, {8, 0}, {0, 8}, {3, 1}, {1, 3}}, {{0, 1, 2}, {0, 3, 4}}},
+                       "a triangle within another, with a common corner");
+    expect_certificate({{{0, 0}, {4, 0}, {2, 4}, {2, -4}, {1, 2}}, {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}}},
+                       "three triangles at an edge");
+    for (int k = 0; k < 60; ++k) {
+        const int spacing = k % 2 ? 4 : 1000;  // of 4: flat triangles and edges that touch are common
+        const int moved = spacing * random.integer(1, 5) / 10;
+        Triangulation mesh = grid(random.integer(1, 4), random.integer(1, 4), spacing, moved);
+        leave_out(mesh, random.integer(0, 8));
+        if (random.integer(0, 3) == 0) {
+            Triangulation other = fan(random.integer(3, 6), 2e-4 * random.uniform(0.2, 1), 1, 0);
+            for (Point& p : other.x) p = {p[0] + 2 * spacing, p[1] + spacing};
+            mesh = together(mesh, other);
+        }
+        expect_certificate(mesh, "a grid with triangles left out", k % 3 ? 0 : 57);
+    }
+}
+
 }  // namespace
 }  // namespace almesh::lessons

@@ -20,4 +20,10 @@ int cover_number(const std::vector<Segment>& /*boundary*/, const Point& /*y*/) {
     return 1;  // ANSWER 13.4
 }
 
+bool proved_injective(const Triangulation& mesh) {
+    for (const auto& [i, j, k] : mesh.triangles)
+        if (orientation(mesh.x[i], mesh.x[j], mesh.x[k]) <= 0) return false;
+    return true;  // ANSWER 13.5: what else?
+}
+
 }  // namespace almesh::lessons

@@ -37,4 +37,11 @@ struct Triangulation {
     std::vector<Triangle> triangles;
 };
 
+// 13.5 The certificate of a mesh. True where all of this holds, false where any of it does not:
+//   - the nodes of each triangle go around counter-clockwise, none is flat;
+//   - no edge has more than two triangles, or two on the same side;
+//   - two edges of the boundary have no point in common but nodes (numbers, not places) that belong to both;
+//   - just inside of each edge of the boundary, points are covered once.
+bool proved_injective(const Triangulation& mesh);
+
 }  // namespace almesh::lessons

@@ -62,4 +62,45 @@ int cover_number(const std::vector<Segment>& boundary, const Point& y) {
     return number;
 }
 
+namespace {
+
+// Whether two edges of the boundary have a point in common beside a node of both.
+bool meet(const std::vector<Point>& x, const Edge& e, const Edge& f) {
+    for (int k = 0; k < 2; ++k)
+        for (int l = 0; l < 2; ++l)
+            if (e[k] == f[l]) {
+                const Point &p = x[e[k]], &of_e = x[e[1 - k]], &of_f = x[f[1 - l]];
+                return is_on(of_e, {p, of_f}) || is_on(of_f, {p, of_e});
+            }
+    const Segment s = {x[e[0]], x[e[1]]}, t = {x[f[0]], x[f[1]]};
+    return touch(s, t) || cross(s, t);
+}
+
+}  // namespace
+
+bool proved_injective(const Triangulation& whole) {
+    const auto& [x, triangles] = whole;
+    for (const auto& [i, j, k] : triangles)
+        if (turn(x[i], x[j], x[k]) <= 0) return false;
+    const std::vector<Edge> boundary = open_sides(triangles);
+    if (boundary.empty()) return false;
+    for (std::size_t i = 0; i < boundary.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j)
+            if (meet(x, boundary[i], boundary[j])) return false;
+    // No other part of the boundary goes through the middle of an edge. Points just inside of it are covered once if no
+    // triangle but the edge's own has the middle.
+    for (const Edge& e : boundary) {
+        const Point middle = {x[e[0]][0] + x[e[1]][0], x[e[0]][1] + x[e[1]][1]};  // twice as large, and so are corners
+        int holding = 0;
+        for (const Triangle& t : triangles) {
+            Point p[3];
+            for (int k = 0; k < 3; ++k) p[k] = {2 * x[t[k]][0], 2 * x[t[k]][1]};
+            const int side[3] = {turn(p[0], p[1], middle), turn(p[1], p[2], middle), turn(p[2], p[0], middle)};
+            if (side[0] >= 0 && side[1] >= 0 && side[2] >= 0) ++holding;
+        }
+        if (holding != 1) return false;
+    }
+    return true;
+}
+
 }  // namespace almesh::lessons
