@@ -44,4 +44,28 @@ struct Triangulation {
 //   - just inside of each edge of the boundary, points are covered once.
 bool proved_injective(const Triangulation& mesh);
 
+// 13.6 A triangle of degree 2, as in exercise 9.6: vertices 0, 1, 2, then the nodes of its edges 01, 12, 20. Coordinates
+// are at most 2^30 by absolute value.
+using QuadraticTriangle = std::array<Point, 6>;
+
+// Whether `tree` proves det J > 0 on all of the triangle. "." claims that all six Bernstein coefficients are positive.
+// "ab" and two trees, without blanks: the piece is bisected at the edge between its corners a and b (0, 1 or 2), and
+// the trees are those of the half that keeps a, then of the half that keeps b; the middle of the edge takes the place
+// of the other corner. False for what is no tree, and for one with more than 25 bisections one inside the other.
+bool proves_positive(const QuadraticTriangle& x, const std::string& tree);
+
+struct CurvedMesh {
+    std::string text;  // of the file
+    std::vector<long long> id;
+    std::vector<QuadraticTriangle> elements;
+};
+
+// Whether the proof, the text of a file, proves det J > 0 in every element of this mesh. Its lines, each with a newline
+// at its end, words separated by one blank: "almesh proof 1", "version " and anything, "hash H", "elements N", then
+// lines "element ID TREE" in any order, then "end L". H is the hash of mesh.text: h = 14695981039346656037, then for
+// each byte h = (h xor byte) * 1099511628211 modulo 2^64, written with 16 digits 0 to 9, a to f. N is the number of
+// elements, L that of all lines. An element without a line has the tree ".". A proof with other lines, with two for an
+// element or one for an element that is not there proves nothing.
+bool accepts(const CurvedMesh& mesh, const std::string& proof);
+
 }  // namespace almesh::lessons

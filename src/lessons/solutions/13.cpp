@@ -103,4 +103,96 @@ bool proved_injective(const Triangulation& whole) {
     return true;
 }
 
+namespace {
+
+// det J = l' Q l, but for a positive factor: its Bernstein coefficients are the entries of Q.
+using Form = std::array<std::array<Wide, 3>, 3>;
+
+Form jacobian(const QuadraticTriangle& x) {
+    std::array<Wide, 2> U[3], V[3];
+    for (int i = 0; i < 3; ++i)
+        for (int k = 0; k < 2; ++k) {
+            const auto twice_P = [&](int j) -> Wide {
+                const int node = i + j == 1 ? 3 : i + j == 3 ? 4 : 5;
+                return i == j ? 2 * x[i][k] : 4 * x[node][k] - x[i][k] - x[j][k];
+            };
+            U[i][k] = twice_P(1) - twice_P(0);
+            V[i][k] = twice_P(2) - twice_P(0);
+        }
+    const auto det = [&](int i, int j) { return U[i][0] * V[j][1] - U[i][1] * V[j][0]; };
+    Form Q;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) Q[i][j] = det(i, j) + det(j, i);
+    return Q;
+}
+
+// On the half that keeps corner a, the middle of the edge in place of corner b; four times as large.
+Form half(const Form& Q, int a, int b) {
+    Form rows, both;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) rows[i][j] = i == b ? Q[a][j] + Q[b][j] : 2 * Q[i][j];
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) both[i][j] = j == b ? rows[i][a] + rows[i][b] : 2 * rows[i][j];
+    return both;
+}
+
+// Whether the tree that begins at `at` proves that Q is positive; `at` is then behind it.
+bool holds(const Form& Q, const std::string& tree, std::size_t& at, int depth) {
+    if (at >= tree.size()) return false;
+    if (tree[at] == '.') {
+        ++at;
+        return std::all_of(Q.begin(), Q.end(), [](const auto& row) { return row[0] > 0 && row[1] > 0 && row[2] > 0; });
+    }
+    if (depth == 25 || at + 1 >= tree.size()) return false;
+    const int a = tree[at] - '0', b = tree[at + 1] - '0';
+    if (a < 0 || a > 2 || b < 0 || b > 2 || a == b) return false;
+    at += 2;
+    return holds(half(Q, a, b), tree, at, depth + 1) && holds(half(Q, b, a), tree, at, depth + 1);
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+    std::vector<std::string> lines(1);
+    for (const char c : text)
+        if (c == '\n') lines.emplace_back();
+        else lines.back() += c;
+    return lines;
+}
+
+std::string hash(const std::string& text) {
+    unsigned long long h = 14695981039346656037u;
+    for (const char c : text) h = (h ^ static_cast<unsigned char>(c)) * 1099511628211u;
+    char digits[17];
+    std::snprintf(digits, sizeof digits, "%016llx", h);
+    return digits;
+}
+
+}  // namespace
+
+bool proves_positive(const QuadraticTriangle& x, const std::string& tree) {
+    std::size_t at = 0;
+    return holds(jacobian(x), tree, at, 0) && at == tree.size();
+}
+
+bool accepts(const CurvedMesh& curved, const std::string& proof) {
+    const std::vector<std::string> lines = lines_of(proof);  // the last one is what follows the last newline
+    const std::size_t count = lines.size() - 1;
+    if (count < 5 || !lines[count].empty() || lines[count - 1] != "end " + std::to_string(count)) return false;
+    if (lines[0] != "almesh proof 1" || lines[1].rfind("version ", 0) != 0) return false;
+    if (lines[2] != "hash " + hash(curved.text)) return false;
+    if (lines[3] != "elements " + std::to_string(curved.elements.size())) return false;
+    std::map<std::string, std::string> tree;
+    for (const long long id : curved.id) tree["element " + std::to_string(id)] = "";
+    for (std::size_t k = 4; k + 1 < count; ++k) {
+        const std::size_t blank = std::min(lines[k].rfind(' '), lines[k].size());
+        const auto of = tree.find(lines[k].substr(0, blank));
+        if (of == tree.end() || !of->second.empty()) return false;
+        of->second = lines[k].substr(blank);
+    }
+    for (std::size_t e = 0; e < curved.elements.size(); ++e) {
+        const std::string& said = tree["element " + std::to_string(curved.id[e])];
+        if (!proves_positive(curved.elements[e], said.empty() ? "." : said.substr(1))) return false;
+    }
+    return true;
+}
+
 }  // namespace almesh::lessons
