@@ -515,5 +515,242 @@ EXERCISE("13.5", "the certificate of a mesh") {
     }
 }
 
+// ------------------------------------------------------------------------------------------------------------ 13.6
+
+struct Piece {
+    std::array<std::array<Wide, 3>, 3> corner = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  // barycentric, times scale
+    Wide scale = 1;
+
+    // The half that keeps corner a.
+    Piece half(int a, int b) const {
+        Piece piece = *this;
+        piece.scale *= 2;
+        for (int i = 0; i < 3; ++i)
+            for (int k = 0; k < 3; ++k) piece.corner[i][k] = (i == b ? corner[a][k] : corner[i][k]) + corner[i][k];
+        return piece;
+    }
+};
+
+// det J = J_u x J_v as the derivatives of the six Lagrange functions at a corner, without control points; polarised it
+// gives the coefficients p_i' Q p_j.
+struct Determinant {
+    QuadraticTriangle x;
+
+    // Derivatives by l_1 and l_2 at p / scale, times scale.
+    std::array<std::array<Wide, 2>, 2> at(const std::array<Wide, 3>& p, Wide scale) const {
+        // N_i = l_i (2 l_i - 1), N_ij = 4 l_i l_j; a column for each of l_0, l_1, l_2.
+        const Wide d[6][3] = {{4 * p[0] - scale, 0, 0}, {0, 4 * p[1] - scale, 0}, {0, 0, 4 * p[2] - scale},
+                              {4 * p[1], 4 * p[0], 0},  {0, 4 * p[2], 4 * p[1]},  {4 * p[2], 0, 4 * p[0]}};
+        std::array<std::array<Wide, 2>, 2> J{};
+        for (int i = 0; i < 6; ++i)
+            for (int direction = 0; direction < 2; ++direction)
+                for (int k = 0; k < 2; ++k) J[direction][k] += (d[i][direction + 1] - d[i][0]) * x[i][k];
+        return J;
+    }
+
+    bool is_positive(const Piece& piece) const {
+        for (int i = 0; i < 3; ++i)
+            for (int j = i; j < 3; ++j) {
+                const auto J = at(piece.corner[i], piece.scale), K = at(piece.corner[j], piece.scale);
+                if (J[0][0] * K[1][1] - J[0][1] * K[1][0] + K[0][0] * J[1][1] - K[0][1] * J[1][0] <= 0) return false;
+            }
+        return true;
+    }
+};
+
+// Whether the tree is one, and proves it.
+bool is_proof(const Determinant& det, const std::string& tree, std::size_t& at, const Piece& piece, int depth) {
+    if (at < tree.size() && tree[at] == '.') return ++at, det.is_positive(piece);
+    if (at + 1 >= tree.size() || depth == 25) return false;
+    const std::string edge = tree.substr(at, 2);
+    if (edge.find_first_not_of("012") != std::string::npos || edge[0] == edge[1]) return false;
+    const int a = edge[0] - '0', b = edge[1] - '0';
+    at += 2;
+    return is_proof(det, tree, at, piece.half(a, b), depth + 1) && is_proof(det, tree, at, piece.half(b, a), depth + 1);
+}
+
+bool is_proof(const QuadraticTriangle& x, const std::string& tree) {
+    std::size_t at = 0;
+    return is_proof({x}, tree, at, {}, 0) && at == tree.size();
+}
+
+// A proof by bisection, at the longest edge or at any; "" where there is none with few pieces.
+std::string proof_of(const Determinant& det, const Piece& piece, int depth) {
+    if (det.is_positive(piece)) return ".";
+    if (depth == 10) return "";
+    Random& random = random_inputs();
+    int edge = random.integer(0, 2);
+    if (random.integer(0, 3)) {
+        Wide longest = -1;
+        for (int k = 0; k < 3; ++k) {
+            Wide length = 0;
+            for (int i = 0; i < 3; ++i) {
+                const Wide d = piece.corner[k][i] - piece.corner[(k + 1) % 3][i];
+                length += d * d;
+            }
+            if (length > longest) longest = length, edge = k;
+        }
+    }
+    int a = edge, b = (edge + 1) % 3;
+    if (random.integer(0, 1)) std::swap(a, b);
+    const std::string first = proof_of(det, piece.half(a, b), depth + 1);
+    const std::string second = first.empty() ? "" : proof_of(det, piece.half(b, a), depth + 1);
+    return second.empty() ? "" : concat(a, b, first, second);
+}
+
+// Edge nodes up to `bend` of an edge away from the middles of the straight ones.
+QuadraticTriangle random_triangle(double bend, int bits) {
+    Random& random = random_inputs();
+    const double size = std::ldexp(1.0, bits - 2), angle = random.uniform(0, 7);
+    QuadraticTriangle x;
+    double p[3][2];
+    for (int i = 0; i < 3; ++i) {
+        const double turn = angle + 2 * std::numbers::pi / 3 * i + random.uniform(-0.4, 0.4);
+        p[i][0] = size * std::cos(turn);
+        p[i][1] = size * std::sin(turn);
+    }
+    for (int i = 0; i < 6; ++i)
+        for (int k = 0; k < 2; ++k)
+            x[i][k] = std::llround(i < 3 ? p[i][k] : 0.5 * (p[i - 3][k] + p[(i - 2) % 3][k]) +
+                                                         random.uniform(-bend, bend) * size);
+    return x;
+}
+
+// One with a proof that bisects.
+std::pair<QuadraticTriangle, std::string> proved_triangle(int bits) {
+    for (;;) {
+        const QuadraticTriangle x = random_triangle(0.35, bits);
+        const std::string tree = proof_of({x}, {}, 0);
+        if (tree.size() > 1) return {x, tree};
+    }
+}
+
+void expect_tree(const QuadraticTriangle& x, const std::string& tree, const std::string& what) {
+    const bool expected = is_proof(x, tree), found = proves_positive(x, tree);
+    std::string nodes;
+    for (const Point& p : x) nodes += " " + text_of(p);
+    expect(found == expected, "the tree `", tree.substr(0, 60), "`, ", what, ", of the triangle with the nodes", nodes,
+           expected ? " is a proof, the answer was no" : " proves nothing, the answer was yes");
+}
+
+std::string with_end(std::vector<std::string> lines) {
+    lines.push_back(concat("end ", lines.size() + 1));
+    std::string text;
+    for (const std::string& line : lines) text += line + "\n";
+    return text;
+}
+
+std::string hash_of(const std::string& text) {
+    unsigned long long h = 0xcbf29ce484222325;
+    for (const char c : text) h = 0x100000001b3 * (h ^ (c & 0xffu));
+    std::string digits;
+    for (int k = 60; k >= 0; k -= 4) digits += "0123456789abcdef"[h >> k & 15];
+    return digits;
+}
+
+void expect_accepted(const CurvedMesh& mesh, const std::string& proof, bool expected, const std::string& what) {
+    expect(accepts(mesh, proof) == expected, what, expected ? " is refused" : " is accepted", "; its lines: `",
+           trim(proof.substr(0, 300)), "`");
+}
+
+// inputs/lessons/13-injectivity/bent.msh and the program's proof of it.
+void check_the_programs_proof() {
+    const std::string file = "inputs/lessons/13-injectivity/bent.msh", folder = "outputs/lessons/answers";
+    const std::string written = folder + "/bent.proof";
+    std::ostringstream text, proof;
+    std::filesystem::create_directories(folder);
+    test::almesh_with({"quality", file, "proof=" + written});
+    text << std::ifstream(file).rdbuf();
+    proof << std::ifstream(written).rdbuf();
+    const QuadraticTriangle five = {{{0, 0}, {1000, 0}, {500, 1000}, {586, 344}, {750, 586}, {-51, 371}}};
+    const QuadraticTriangle six = {{{1000, 0}, {1100, 1100}, {500, 1000}, {1050, 550}, {800, 1050}, {750, 586}}};
+    const CurvedMesh mesh = {text.str(), {5, 6}, {five, six}};
+    expect_accepted(mesh, proof.str(), true, "almesh's proof of " + file);
+    expect_accepted({mesh.text, {6, 5}, {five, six}}, proof.str(), false, "almesh's proof for other elements");
+    expect_accepted({mesh.text + " ", {5, 6}, {five, six}}, proof.str(), false, "almesh's proof of another file");
+}
+
+EXERCISE("13.6", "an hour: the checker of a proof") {
+    Random& random = random_inputs();
+    const QuadraticTriangle straight = {{{0, 0}, {4, 0}, {0, 4}, {2, 0}, {2, 2}, {0, 2}}};
+    for (const std::string tree :
+         {".", "", "01..", "21.02..", "00..", "03..", "01.", "01...", "0", "x", ". ", "10..\n"})
+        expect_tree(straight, tree, "of a straight triangle");
+    std::string deep = ".";
+    for (int k = 1; k <= 26; ++k) {
+        deep = (k % 2 ? "01" : "12") + deep + ".";
+        if (k >= 25) expect_tree(straight, deep, concat(k, " bisections one inside the other"));
+    }
+    for (int k = 0; k < 16; ++k) {
+        const auto [x, tree] = proved_triangle(random.integer(8, 30));
+        expect_tree(x, tree, "found by bisection");
+        std::string turned = tree, cut = tree, less = tree;
+        const std::size_t leaf = tree.find('.', random.integer(0, static_cast<int>(tree.size()) - 1));
+        std::swap(turned[0], turned[1]);  // the halves the other way round
+        expect_tree(x, turned, "its first bisection the other way round");
+        expect_tree(x, ".", "no bisection");
+        expect_tree(x, less.replace(tree.find("..") - 2, 4, "."), "a bisection too few");
+        expect_tree(x, cut.replace(leaf, 1, "20.12.."), "a leaf cut again");
+        const auto [of_other, other] = proved_triangle(random.integer(8, 30));
+        expect_tree(x, other, "that of another triangle");
+        const QuadraticTriangle bad = random_triangle(0.9, random.integer(8, 30));
+        expect_tree(bad, tree, "that of another triangle");
+    }
+    for (const int area : {-1, 0, 1, 1, 1, 1}) {  // long straight sides: all coefficients are equal
+        auto [u, v] = nearly_parallel(28);
+        if (area < 0) std::swap(u, v);
+        if (area == 0) v = {-u[0], -u[1]};
+        QuadraticTriangle x;
+        for (int k = 0; k < 2; ++k) {
+            const long long first = many_bits(29), corner[3] = {first, first + 2 * u[k], first + 2 * v[k]};
+            for (int i = 0; i < 3; ++i) x[i][k] = corner[i], x[3 + i][k] = (corner[i] + corner[(i + 1) % 3]) / 2;
+        }
+        expect_tree(x, ".", concat("with straight sides and twice the area ", 4 * area));
+    }
+    const QuadraticTriangle quarter = {{{0, 0}, {8, 0}, {0, 8}, {2, 0}, {4, 4}, {0, 4}}};  // det J = 0 at a vertex
+    for (const std::string tree : {".", "01..", "0101..."}) expect_tree(quarter, tree, "with det J = 0 at a vertex");
+    CurvedMesh mesh{"a mesh \xc3\xa9\n", {}, {}};
+    std::vector<std::string> lines = {"almesh proof 1", "version almesh 0.2.0", "hash " + hash_of(mesh.text), ""};
+    for (int e = 0; e < 3; ++e) {
+        const auto [x, tree] = proved_triangle(20);
+        mesh.id.push_back(10 + 7 * e + random.integer(0, 5));
+        mesh.elements.push_back(x);
+        lines.push_back(concat("element ", mesh.id[e], " ", tree));
+    }
+    mesh.id.push_back(1);
+    mesh.elements.push_back(straight);
+    lines[3] = "elements 4";
+    const std::vector<std::string> good = lines;
+    expect_accepted(mesh, with_end(good), true, "a sound proof");
+    std::swap(lines[4], lines[6]);
+    expect_accepted(mesh, with_end(lines), true, "a sound proof with its lines in another order");
+    lines.push_back("element 1 01..");
+    expect_accepted(mesh, with_end(lines), true, "a sound proof with a bisection too many");
+    const auto refused = [&](const std::string& what, const auto& change) {
+        std::vector<std::string> bad = good;
+        change(bad);
+        expect_accepted(mesh, with_end(bad), false, what);
+    };
+    refused("a proof without a line that an element needs", [](auto& l) { l.pop_back(); });
+    refused("a proof with a line twice", [](auto& l) { l.push_back(l.back()); });
+    refused("a proof of an element that is not there", [](auto& l) { l.push_back("element 999 ."); });
+    refused("a proof of another file", [](auto& l) { l[2].back() = l[2].back() == '0' ? '1' : '0'; });
+    refused("a proof of more elements", [](auto& l) { l[3] = "elements 5"; });
+    refused("a proof with a line that is no claim", [](auto& l) { l.push_back("all is well"); });
+    refused("a proof with an empty line", [](auto& l) { l.push_back(""); });
+    refused("a proof of another format", [](auto& l) { l[0] = "almesh proof 2"; });
+    refused("a proof with a claim cut off", [](auto& l) { l[5].pop_back(); });
+    refused("a proof whose head is in another order", [](auto& l) { std::swap(l[2], l[3]); });
+    const std::string whole = with_end(good);
+    expect_accepted(mesh, whole.substr(0, whole.size() - 1), false, "a proof without its last newline");
+    expect_accepted(mesh, whole + "\n", false, "a proof with a line behind its end");
+    expect_accepted(mesh, whole.substr(0, whole.rfind("end")), false, "a proof without its end");
+    expect_accepted(mesh, "", false, "an empty file");
+    CurvedMesh other = mesh;
+    other.elements.back() = {{{0, 0}, {0, 4}, {4, 0}, {0, 2}, {2, 2}, {2, 0}}};
+    expect_accepted(other, whole, false, "a proof of a mesh with an inverted element");
+    check_the_programs_proof();
+}
+
 }  // namespace
 }  // namespace almesh::lessons
