@@ -469,6 +469,7 @@ EXERCISE("13.5", "the certificate of a mesh") {
                            "a square with a triangle as flat as can be");
     for (int k = 0; k < 4; ++k) {
         const double start = random.uniform(0, 1);
+        const double margin = random.scale(1e-5, 0.02);  // of ten units and more
         const int m = random.integer(5, 9), bits = k % 2 ? 57 : 0;
         expect_certificate(strip(m, 1, 2, 1, start), "a ring", bits);
         expect_certificate(strip(2 * m + 1, 1, 2, 2, start), "a strip that goes around a ring twice", bits);
@@ -482,8 +483,8 @@ EXERCISE("13.5", "the certificate of a mesh") {
         expect_certificate(together(disc(m, 0.5), narrow), "a disc over a hole", bits);
         expect_certificate(together(disc(m, 0.5), disc(m + 1, 2)), "a disc within a disc", bits);
         expect_certificate(together(disc(m, 2.5), ring), "a disc around a ring", bits);
-        expect_certificate(together(ring, disc(m + 4, 1.02)), "a disc slightly larger than its hole", bits);
-        expect_certificate(together(ring, disc(m + 4, 0.98)), "a disc slightly smaller than its hole", bits);
+        expect_certificate(together(ring, disc(m + 4, 1 + margin)), "a disc slightly larger than its hole", bits);
+        expect_certificate(together(ring, disc(m + 4, 1 - margin)), "a disc slightly smaller than its hole", bits);
         expect_certificate(together(ring, disc(m + 4, 1)), "a disc as large as its hole, not joined", bits);
         for (const int gap : {-1, 0, 1})
             expect_certificate(touching(gap), "a corner one unit from an edge, or on it", bits);
