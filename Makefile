@@ -68,7 +68,8 @@ LESSON_PROGRAMS := $(patsubst src/%.cpp,$(BUILD)/%,$(wildcard src/lessons/*.cpp)
 EXAMPLES  := $(patsubst src/%.cpp,$(BUILD)/%,$(wildcard src/examples/*.cpp)) $(BUILD)/examples/shapes
 CHECKED   := $(sort $(patsubst tests/lessons/%_check.cpp,%,$(wildcard tests/lessons/*_check.cpp)))
 SOLVED    := $(patsubst src/lessons/solutions/%.cpp,$(BUILD)/lessons/solved-%,$(wildcard src/lessons/solutions/*.cpp))
-CHECKS    := $(CHECKED:%=$(BUILD)/tests/lessons/%_check.o) $(BUILD)/tests/lessons/exercise.o $(BUILD)/libalmesh.a \
+JUDGE     := $(BUILD)/tests/lessons/exercise.o $(BUILD)/tests/lessons/child.o $(BUILD)/libalmesh.a
+CHECKS    := $(CHECKED:%=$(BUILD)/tests/lessons/%_check.o) $(CHECKED:%=$(BUILD)/tests/lessons/%_registry.o) $(JUDGE) \
              $(BUILD)/src/lessons/own/almesh.o $(BUILD)/src/lessons/own/rehearsal.o
 RUNS      := $(sort $(shell find inputs -name '*.deck' -not -path 'inputs/lessons/*'))
 # Only `make fuzz` has libFuzzer's entry; the harnesses are in the tests too.
@@ -339,12 +340,23 @@ dist: ##check make almesh-VERSION.tar.gz of what is committed, which builds and 
 test-install: python ##check install, use, uninstall: clients for C, C++ and Python use what is installed alone (QEMU=1: on the baseline)
 	tests/install.py $(if $(QEMU),--qemu)
 
-.SECONDARY: $(LESSON_OBJECTS)
+.SECONDARY: $(LESSON_OBJECTS) $(SOLVED:=.so)
 
-$(BUILD)/lessons/solved-%: $(BUILD)/src/lessons/solutions/%.o $(BUILD)/tests/lessons/%_check.o $(BUILD)/tests/lessons/exercise.o $(BUILD)/libalmesh.a
+# The judge of a lesson's answers, and a shared object with the solutions and the table in which it finds them.
+$(BUILD)/lessons/solved-%: $(BUILD)/tests/lessons/%_check.o $(JUDGE) | $(BUILD)/lessons/solved-%.so
 	@mkdir -p $(@D)
 	$(call said,LINK,$@)
-	$(Q)$(CXX) $(FLAGS) $^ $(GOMP) -o $@
+	$(Q)$(CXX) $(FLAGS) $^ $(GOMP) -ldl -o $@
+
+$(BUILD)/lessons/solved-%.so: $(BUILD)/src/lessons/solutions/%.o $(BUILD)/tests/lessons/%_registry.o $(BUILD)/libalmesh.a
+	@mkdir -p $(@D)
+	$(call said,LINK,$@)
+	$(Q)$(CXX) $(FLAGS) -shared $^ -o $@
+
+$(BUILD)/tests/lessons/%_registry.o: tests/lessons/registry.cpp tests/lessons/registry.hpp tests/lessons/each.hpp tests/lessons/%_check.cpp src/lessons/exercises/%.hpp $(BUILD)/flags
+	@mkdir -p $(@D)
+	$(call said,CXX,$@)
+	$(Q)$(CXX) $(FLAGS) $(LITTLE) -DHEADER='"lessons/exercises/$*.hpp"' -DNAMES='$(shell tests/lessons/answers.py --names $*)' -c $< -o $@
 
 $(BUILD)/examples/%: $(BUILD)/src/examples/%.o $(BUILD)/libalmesh.a
 	@mkdir -p $(@D)
@@ -363,11 +375,11 @@ lesson-%: almesh FORCE ## run the commands of a lesson's handout and draw its pi
 	  echo 'no picture without numpy and matplotlib: apt-get install python3-numpy python3-matplotlib (or pip)'; fi
 
 check-lesson-%: FORCE ## check your answers to exercises: make check-lesson-01 (SHOW=2: what your answer to 1.2 prints)
-	@$(MAKE) --silent $(filter %/$*_check.o %/exercise.o %.a,$(CHECKS))
+	@$(MAKE) --silent $(filter %/$*_check.o %/$*_registry.o,$(CHECKS)) $(JUDGE)
 	@tests/lessons/answers.py --build $(BUILD) --lesson $* $(SHOW:%=--show %) $(or $(ANSWERS),exercises)
 
 watch-%: FORCE ## check a lesson's answers at each save, and say what is next: make watch-04
-	@$(MAKE) --silent $(filter %/$*_check.o %/exercise.o %.a,$(CHECKS))
+	@$(MAKE) --silent $(filter %/$*_check.o %/$*_registry.o,$(CHECKS)) $(JUDGE)
 	@tests/lessons/answers.py --build $(BUILD) --lesson $* --watch
 
 hint-%: ## a hint for an exercise, here 4.2: make hint-04-2 (MORE=1: nearly the answer)

@@ -6,6 +6,8 @@
 namespace almesh::lessons {
 namespace {
 
+ANSWERS(eta_of_lengths, level_set, eta_3d, eta_regularised, stretch_of, measure_tetrahedron, largest_stretch);
+
 Lengths lengths_of(const std::array<Vec<2>, 3>& t) {
     Lengths length;
     for (int i = 0; i < 3; ++i) length[i] = std::hypot(t[(i + 1) % 3][0] - t[i][0], t[(i + 1) % 3][1] - t[i][1]);

@@ -10,6 +10,8 @@
 namespace almesh::lessons {
 namespace {
 
+ANSWERS(order_of_convergence, first_inversion, positive_part, fix_nodes, minimise, curvatures, projected_second);
+
 EXERCISE("4.1", "the order of convergence") {
     for (const auto& [p, constant] :
          {std::pair(1.0, 0.3), std::pair(1.5, 2.0), std::pair(2.0, 0.7), std::pair(3.0, 5.0)}) {
@@ -108,7 +110,7 @@ EXERCISE("4.4", "fixing the boundary") {
 // A function of one variable that keeps count and tells where it is called where it must not be.
 double minimum(const std::function<double(double)>& f, const std::function<double(double)>& f1,
                const std::function<double(double)>& f2, double from) {
-    int calls = 0;
+    Shared<int> calls;
     const auto finite_only = [&](const std::function<double(double)>& derivative) {
         return [&](double x) {
             expect(std::isfinite(f(x)), "a derivative is called at x = ", x, ", where f is ", f(x),

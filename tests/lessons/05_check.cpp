@@ -8,6 +8,9 @@
 namespace almesh::lessons {
 namespace {
 
+ANSWERS(laplacian_of_triangle, reach_of_translation, determinant_at_circle, determinant_of_profile, reach_with_stiffness,
+        reach_of_mesh);
+
 // The map that turns the circle of radius 1 and fades out with the profile s(r).
 Vec<2> turned(Vec<2> x, double theta, const std::function<double(double)>& s) {
     const double c = std::cos(theta) - 1, q = std::sin(theta), fade = s(std::hypot(x[0], x[1]));

@@ -5,6 +5,8 @@
 namespace almesh::lessons {
 namespace {
 
+ANSWERS(penalised_place, penalty_for, without_penalty_error, condition_with_penalty, penalised_minimum);
+
 EXERCISE("6.1", "a spring and a penalty") {
     for (const double kappa : {1.0, 7.0})
         for (const double mu : {0.5, 100.0}) {
@@ -75,7 +77,7 @@ EXERCISE("6.5", "one penalty") {
 void check_penalised(const char* name, Constrained problem, const Vec<2>& x) {
     for (const double mu : {1.0, 100.0, 1e4, 1e8, 1e12, 1e18}) {
         const std::string of = concat(name, ", mu = ", mu);
-        int steps = 0;
+        Shared<int> steps;
         Constrained counted = problem;
         counted.f2 = [&](const Vec<2>& at) {
             expect(++steps <= 8, of, ": more than 8 Newton steps. The force has to be an unknown of its own, not ",

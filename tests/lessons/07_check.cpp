@@ -7,6 +7,8 @@
 namespace almesh::lessons {
 namespace {
 
+ANSWERS(exact_multiplier, wall_forces, penalty_for, method_of_multipliers, stiffest_mode);
+
 double largest_difference(const Vector& a, const Vector& b) {
     double largest = a.size() == b.size() ? 0 : INFINITY;
     for (std::size_t i = 0; i < a.size() && i < b.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));

@@ -6,6 +6,8 @@
 namespace almesh::lessons {
 namespace {
 
+ANSWERS(contraction, updates_as_printed, goes_on, next, inexact_multipliers);
+
 // By doing it: x is the minimum for lambda, the error of lambda is its distance from kappa g.
 double measured(double kappa, double weight, double step) {
     const double g = 2, lambda = 0.3, x = (lambda + weight * g) / (kappa + weight);
@@ -108,7 +110,7 @@ double norm(const std::vector<double>& v) {
 }
 
 void expect_solved_with_at_most(int most, const Chain& chain) {
-    int count = 0;
+    Shared<int> count;
     const auto gradient = [&](const std::vector<double>& x, double lambda) {
         expect(x.size() == chain.a.size(), "gradient was asked for ", x.size(), " unknowns of ", chain.a.size());
         expect(++count < 20 * most, "after ", count, " gradients there is no end. |c| = ", chain.constraint(x),

@@ -11,6 +11,8 @@
 namespace almesh::lessons {
 namespace {
 
+ANSWERS(edges_needed, projection, bezier_coefficients, positive_everywhere, jacobian_coefficients, proved_valid);
+
 EXERCISE("9.1", "how many straight edges a circle needs") {
     const auto off = [](int n, double R) { return R * (1 - std::cos(std::numbers::pi / n)); };
     for (const auto& [R, tolerance] : {std::pair(1.0, 0.06), std::pair(1.0, 1e-3), std::pair(5.0, 1e-3),

@@ -9,6 +9,8 @@
 namespace almesh::lessons {
 namespace {
 
+ANSWERS(multiply_symmetric, factor_entries, order_of_tree, cg_step, sufficient_steps, dissection_of_grid, entries_foretold);
+
 Graph graph_of_edges(int n, const std::vector<std::array<int, 2>>& edges) {
     std::vector<std::vector<int>> adjacent(n);
     for (const auto& [a, b] : edges) {

@@ -10,6 +10,8 @@
 namespace almesh::lessons {
 namespace {
 
+ANSWERS(growth_exponent, predicted_entries, sum_in_pieces, crossover, lines_loaded, product_rate);
+
 EXERCISE("11.1", "the exponent of a growth") {
     expect_close("the exponent of t = n^2 from 10 to 20", growth_exponent(10, 100, 20, 400), 2, 1e-12,
                  "the slope in logarithmic axes");

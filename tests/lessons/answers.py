@@ -9,17 +9,18 @@ memory and output, so that no answer can spoil the others' rows.
   tests/lessons/answers.py [--build FOLDER] --self-test               the checks themselves: each solution holds, and
                                                                       no template does, and says why
 
-It compiles the answers itself, with the command in FOLDER/flags, and links them with what `make` has built of the
-checks: a file that is missing or that does not compile is a reason in the rows of its lesson. An answer may include
-headers of the standard library and those of its exercises. What it writes into its folder is told; what it writes
-elsewhere cannot be seen. Exit code 1 where an answer does not hold, or the self-test fails. Standard library only.
+It compiles the answers itself (compiling.py), with the command in FOLDER/flags, under the sanitizers that the compiler
+has: a file that is missing is a reason in all rows of its lesson, a function that does not compile in those that use
+it. An answer may include headers of the standard library and those of its exercises. The judge, which `make` has built
+the parts of, loads no answers: its children do, and send values back, so that only its exit code 0 says that an answer
+holds. What an answer writes into its folder is told; what it writes elsewhere cannot be seen. Exit code 1 where an
+answer does not hold, or the self-test fails. Standard library only.
 """
 import argparse
 import csv
 import os
 import re
 import resource
-import shlex
 import shutil
 import signal
 import subprocess
@@ -29,15 +30,13 @@ import time
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent.parent
+from compiling import compile_answers, judge, names_of_answers
+from running import MEGABYTE, ROOT, run, shown, text_of
+
 LESSONS = sorted((ROOT / "inputs" / "lessons").glob("[0-9][0-9]-*"))
 MESHES = ("circle.msh", "cube.msh", "square.msh")  # of inputs/meshes/, which exercises read
 OWN_ALMESH = ("12.6", "an almesh of your own (make own-almesh)")  # made of the answers to all lessons: own.py
 EXERCISE = re.compile(r'^EXERCISE\("([\d.]+)", "(.*)"\)', re.MULTILINE)
-# What headers that the exercises need would do in place of the student.
-LIBRARY = re.compile(r"\b(matrix_of_cells|pattern_of_cells|density_gradient|distortion<)")
-INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
-MEGABYTE = 1 << 20
 
 
 @dataclass
@@ -74,8 +73,8 @@ class Answers:
         return self.lesson.name[:2]
 
     @property
-    def program(self):
-        return self.build / "lessons" / self.name
+    def program(self):  # a shared object
+        return self.build / "lessons" / f"{self.name}.so"
 
     @property
     def exercises(self):
@@ -83,106 +82,8 @@ class Answers:
 
 
 def answers_of(lesson, kind, build):
-    name = {"exercises": "check", "solutions": "solved"}[kind] + "-" + lesson.name[:2]
+    name = {"exercises": "check", "solutions": "checked"}[kind] + "-" + lesson.name[:2]
     return Answers(lesson, ROOT / "src" / "lessons" / kind / f"{lesson.name[:2]}.cpp", lesson / kind, build, name)
-
-
-# ------------------------------------------------------------------------------------------------- compiling
-
-def environment():
-    return {**os.environ, "OMP_NUM_THREADS": "1", "LC_ALL": "C"}
-
-
-def run(command, folder, seconds, limits=None, output=None):
-    """The exit code (negative: a signal; None: took too long). Nothing that it has started goes on."""
-    def prepare():
-        for kind, most in limits or []:
-            resource.setrlimit(kind, (most, most))
-    process = subprocess.Popen(command, cwd=folder, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT,
-                               env=environment(), preexec_fn=prepare, start_new_session=True)
-    try:
-        return process.wait(seconds)
-    except subprocess.TimeoutExpired:
-        return None
-    finally:
-        try:
-            os.killpg(process.pid, signal.SIGKILL)
-        except ProcessLookupError:
-            pass
-        process.wait()
-
-
-def text_of(path, most=20000):
-    with path.open("rb") as file:
-        return file.read(most).decode(errors="replace").replace("\0", "?")
-
-
-def foreign_header(answers):
-    """A header of the library that the answers include, although the exercises do not need it."""
-    header = f"lessons/exercises/{answers.number}.hpp"
-    allowed = [header, *INCLUDE.findall((ROOT / "src" / header).read_text())]
-    return next((name for name in INCLUDE.findall(text_of(answers.source, MEGABYTE)) if name not in allowed), None)
-
-
-def call_of_library(answers):
-    code = re.sub(r"//[^\n]*|/\*.*?\*/", "", text_of(answers.source, MEGABYTE), flags=re.DOTALL)
-    found = LIBRARY.search(code)
-    return found[1].strip("<") if found else None
-
-
-def back(name):
-    """How to get a template again: a student's export has no git."""
-    return (f"`git checkout {name}` brings the template back" if (ROOT / ".git").exists() else
-            "get the template again from where the course came from")
-
-
-def compiler(build):
-    """The Makefile's command for what waits for the library: it optimises little, and reads once what most files include
-    of the standard library."""
-    flags, prefix = shlex.split((build / "flags").read_text()), build / "prefix" / "waiting.hpp"
-    little = ["-O1"] if {"-O2", "-O3"} & set(flags) else []
-    read_once = ["-include", prefix] if prefix.with_suffix(".hpp.gch").exists() else []
-    return [*flags, "-Wno-error", *little, *read_once]
-
-
-def compiled(answers, limits):
-    """"" or why there is no program."""
-    name = shown(answers.source)
-    if not answers.source.is_file():
-        return f"{name} is missing: {back(name)}"
-    number, program = answers.number, answers.program
-    if header := foreign_header(answers):
-        return f"{name} includes \"{header}\": an answer stands on the standard library and on {number}.hpp"
-    objects = answers.build / "tests" / "lessons"
-    parts = [objects / f"{number}_check.o", objects / "exercise.o", answers.build / "libalmesh.a"]
-    headers = [*(ROOT / "src" / "lessons").glob("*.hpp"), ROOT / "src" / "lessons" / "exercises" / f"{number}.hpp"]
-    used = [answers.source, *parts, *headers, answers.build / "flags"]
-    if program.exists() and program.stat().st_mtime > max(path.stat().st_mtime for path in used):
-        return ""
-    if function := call_of_library(answers):
-        return f"{name} calls {function}, which is the library's: write what it does yourself"
-    program.parent.mkdir(parents=True, exist_ok=True)
-    program.unlink(missing_ok=True)
-    begun = time.time_ns()
-    with tempfile.TemporaryDirectory() as folder:
-        log, new = Path(folder) / "log", Path(folder) / "program"
-        command = [*compiler(answers.build), answers.source, *parts, "-o", new]
-        with log.open("wb") as output:
-            code = run(command, ROOT, limits.compilation, [(resource.RLIMIT_FSIZE, 512 * MEGABYTE)], output)
-        if code is None:
-            return f"{name} takes more than {limits.compilation} s to compile"
-        if code != 0:
-            lines = text_of(log).splitlines()
-            errors = [line for line in lines if "error" in line or "undefined reference" in line]
-            reason = (errors or lines or ["no reason given"])[0].replace(f"{ROOT}/", "")
-            return f"{name} does not compile: {reason}"
-        shutil.move(new, program)
-    os.utime(program, ns=(begun, begun))  # older than what is saved during the compilation
-    return ""
-
-
-def shown(path):
-    return path.relative_to(ROOT) if path.is_relative_to(ROOT) else path
 
 
 # ------------------------------------------------------------------------------------------------- one exercise
@@ -223,14 +124,46 @@ def ending(code, limits, used):
     return f"crashes ({name}){hint.get(name, '')}"
 
 
-def bounds(build, limits):
-    """What a program with answers may use."""
+def bounds(limits, memory=False):
+    """What a program with answers may use. Judges limit memory themselves: sanitizers reserve terabytes."""
     found = [(resource.RLIMIT_CPU, limits.seconds), (resource.RLIMIT_FSIZE, limits.output * MEGABYTE),
              (resource.RLIMIT_CORE, 0)]
-    sanitized = "-fsanitize" in (build / "flags").read_text()  # these reserve terabytes of addresses
-    if sys.platform == "linux" and not sanitized:
+    if memory and sys.platform == "linux":
         found.append((resource.RLIMIT_AS, limits.memory * MEGABYTE))
     return found
+
+
+def sentence(verdict, printed, compiled, limits):
+    """The judge's verdict in words for the student."""
+    said = re.fullmatch(r"(absent|missing|late|ended) (-?[\w.:]{1,40})", verdict)
+    kind, rest = said.groups() if said else ("", "")
+    if kind == "absent" and rest in map(str, range(len(compiled.absent))):
+        return compiled.absent[int(rest)]
+    if kind == "missing":
+        return compiled.missing.get(rest, f"there is no function {rest}, or one with other arguments")
+    if kind == "late":
+        return ending(None, limits, float(rest))
+    if kind == "ended":
+        return found_by_sanitizers(printed) or ending(int(rest), limits, 0)
+    return verdict
+
+
+def found_by_sanitizers(printed):
+    """What they say in one line, or ""."""
+    place = re.search(r"<stdin>:(\d+)", printed)
+    line = f", line {place[1]}" if place else ""
+    if found := re.search(r"<stdin>:\d+:\d+: runtime error: (.*)", printed):
+        return f"does what C++ does not define{line}: {found[1]}"
+    if found := re.search(r"Assertion '(.*)' failed", printed):
+        return f"crashes: the assertion {found[1]} of the standard library does not hold: an index out of range?"
+    found = re.search(r"ERROR: AddressSanitizer:? ([\w-]+(?: [\w-]+)*)", printed)
+    if not found:
+        return ""
+    if "memory" in found[1] or "allocat" in found[1]:
+        return "asks for more memory than it can have"
+    access = re.search(r"(READ|WRITE) of size", printed)
+    what = {"READ": "reads", "WRITE": "writes"}[access[1]] if access else "misuses"
+    return f"{what} memory that is not its own, {found[1].split(' on ')[0]}{line}: an index out of range?"
 
 
 def processor_time():
@@ -239,7 +172,7 @@ def processor_time():
     return used.ru_utime + used.ru_stime
 
 
-def check_one(answers, number, limits):
+def check_one(answers, number, limits, compiled):
     """(message, what it printed)"""
     with tempfile.TemporaryDirectory(prefix="almesh-answer-") as outside:
         folder, verdict, log = Path(outside) / "checkout", Path(outside) / "verdict", Path(outside) / "printed"
@@ -247,26 +180,28 @@ def check_one(answers, number, limits):
         decks = bench(folder, answers)
         before, begun = contents(folder), processor_time()
         with log.open("wb") as output:
-            code = run([answers.program, decks, number, verdict], folder, 4 * limits.seconds,
-                       bounds(answers.build, limits), output)
+            code = run([judge(answers.number, answers.build), decks, number, verdict, answers.program,
+                        str(limits.seconds), str(limits.memory)], folder, 5 * limits.seconds, bounds(limits), output)
         printed = text_of(log)
-        if code not in (0, 1) or not verdict.is_file():
-            return ending(code, limits, processor_time() - begun), printed
+        said = text_of(verdict) if verdict.is_file() else ""
+        if code not in (0, 1) or (code == 1 and not said):
+            return f"the judge of this exercise {ending(code, limits, processor_time() - begun)}", printed
         after = contents(folder)
         touched = sorted(str(path) for path in before.keys() | after.keys() if before.get(path) != after.get(path))
         if touched:
             return f"writes or removes {touched[0]}: an answer returns its result and touches no files", printed
-        return text_of(verdict).replace(f"{decks}/", f"{shown(answers.decks)}/"), printed
+        message = sentence(said, printed, compiled, limits) if code == 1 else said
+        return message.replace(f"{decks}/", f"{shown(answers.decks)}/"), printed
 
 
 def check(answers, limits=Limits(), numbers=None):
     """A row for each exercise, or for those in `numbers`, whatever the answers do."""
-    reason = compiled(answers, limits)
+    compiled = compile_answers(answers.source, answers.number, answers.build, answers.program, limits.compilation)
     rows = []
     for number, title in answers.exercises:
         if numbers is not None and number not in numbers:
             continue
-        message, printed = (reason, "") if reason else check_one(answers, number, limits)
+        message, printed = (compiled.failure, "") if compiled.failure else check_one(answers, number, limits, compiled)
         rows.append(Row(number, title, " ".join(message.split())[:1000], printed))
     if numbers is None and answers.number == OWN_ALMESH[0][:2] and answers.source.is_relative_to(ROOT):
         import own  # which checks answers itself
@@ -371,9 +306,13 @@ def main():
     parser.add_argument("--watch", action="store_true")
     parser.add_argument("--show", metavar="K")
     parser.add_argument("--self-test", action="store_true")
+    parser.add_argument("--names", metavar="NN", help="what registry.cpp lists of a lesson")
     parser.add_argument("answers", nargs="?", choices=("exercises", "solutions"), default="exercises")
     options = parser.parse_args()
     build = (ROOT / options.build).resolve()
+    if options.names:
+        print(names_of_answers(options.names))
+        return 0
     if options.self_test:
         return self_test(build)
     if not options.lesson:

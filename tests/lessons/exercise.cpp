@@ -1,11 +1,6 @@
 #include "lessons/exercise.hpp"
 
-#include <fcntl.h>
-#include <sys/time.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <csignal>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
@@ -40,26 +35,9 @@ unsigned seed() {
     return value;
 }
 
-// What the handler of expect_soon() reads; nobody writes it while the timer runs.
-std::string late;            // the message
-const char* file = nullptr;  // where it goes; none: standard output
-
-void stop(int) {
-    const int out = file ? open(file, O_WRONLY | O_CREAT | O_TRUNC, 0644) : STDOUT_FILENO;
-    const auto written = write(out, late.data(), late.size());
-    _exit(written == static_cast<ssize_t>(late.size()) ? 1 : 2);
-}
-
-void set_timer(int seconds) {
-    const itimerval after = {{0, 0}, {seconds, 0}};
-    setitimer(ITIMER_PROF, &after, nullptr);
-}
-
 // "" where it holds.
 std::string verdict(const Entry& exercise) {
-    struct Disarm {
-        ~Disarm() { set_timer(0); }
-    } const disarm;
+    expect_each_within(0, "");
     random_inputs() = Random(seed());
     is_random = false;
     try {
@@ -67,6 +45,8 @@ std::string verdict(const Entry& exercise) {
         return "";
     } catch (const Unmet& unmet) {
         return concat(unmet.what(), is_random ? concat(" (the same inputs again: SEED=", seed(), ")") : "");
+    } catch (const Ended& ended) {
+        return ended.what();
     } catch (const std::bad_alloc&) {
         return "asks for more memory than it can have";
     } catch (const std::exception& error) {
@@ -96,10 +76,7 @@ void expect_close(const std::string& what, double value, double expected, double
 }
 
 void expect_soon(const std::string& otherwise) {
-    set_timer(0);
-    late = otherwise;
-    std::signal(SIGPROF, stop);
-    set_timer(5);
+    expect_each_within(5, otherwise);
 }
 
 Random& random_inputs() {
@@ -163,25 +140,31 @@ void expect_only(const std::string& name, const std::vector<std::string>& fixed,
 
 }  // namespace almesh::lessons
 
-// check-NN FOLDER: checks the exercises of a lesson; FOLDER has the decks among their answers. Exit code 0 where all
-// hold. check-NN FOLDER NUMBER FILE: one of them; FILE gets the message, or nothing where the answer holds.
+// check-NN FOLDER: checks the exercises of a lesson; FOLDER has the decks among their answers, check-NN.so beside the
+// program the functions. Exit code 0 where all hold.
+//
+// check-NN FOLDER NUMBER FILE ANSWERS SECONDS MEMORY: one of them, with the functions in the shared object ANSWERS,
+// which may use so many seconds of processor time and MB; FILE gets the message, or nothing where the answer holds. Only this
+// program's exit code 0 says that it does.
 int main(int count, char** argument) {
     using namespace almesh::lessons;
-    if (count != 2 && count != 4) {
-        std::fprintf(stderr, "usage: %s FOLDER-WITH-DECKS [NUMBER FILE]\n", argument[0]);
+    if (count != 2 && count != 7) {
+        std::fprintf(stderr, "usage: %s FOLDER-WITH-DECKS [NUMBER FILE ANSWERS SECONDS MEMORY]\n", argument[0]);
         return 2;
     }
+    const bool one = count == 7;
     answers() = argument[1];
-    if (count == 4) file = argument[3];
     std::size_t held = 0;
     for (const auto& exercise : exercises()) {
-        if (count == 4 && exercise.number != argument[2]) continue;
+        if (one && exercise.number != argument[2]) continue;
+        if (one) take_answers(argument[4], {std::atoi(argument[5]), std::atoi(argument[6])});
+        else take_answers(std::string(argument[0]) + ".so", {});
         const std::string message = verdict(exercise);
         held += message.empty();
-        if (count == 2) print(exercise, message);
-        else std::ofstream(argument[3]) << message;
+        if (one) std::ofstream(argument[3]) << message;
+        else print(exercise, message);
     }
-    if (count == 4) return held == 1 ? 0 : 1;
+    if (one) return held == 1 ? 0 : 1;
     std::printf("%zu of %zu answers hold\n", held, exercises().size());
     return held == exercises().size() ? 0 : 1;
 }

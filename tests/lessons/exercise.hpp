@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "base/text.hpp"
+#include "lessons/child.hpp"
 
 namespace almesh::lessons {
 
@@ -24,9 +25,10 @@ struct Unmet : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
+// Also in what an answer calls: the judge hears of it whatever the answer catches.
 template <class... Parts>
 void expect(bool holds, const Parts&... parts) {
-    if (!holds) throw Unmet(concat(parts...));
+    if (!holds) refuse(concat(parts...));
 }
 
 // |value - expected| <= tolerance max(1, |expected|); not for nan. hint: what a wrong value shows, or "".
@@ -51,8 +53,8 @@ private:
 };
 Random& random_inputs();
 
-// What is said, at once, where the rest of the exercise takes more than five seconds of processor time: why a loop of
-// the student's does not end.
+// What is said where a call of an answer takes more than five seconds of processor time, from here to the end of the
+// exercise: why a loop of the student's does not end.
 void expect_soon(const std::string& otherwise);
 
 // The least-squares slope of log error over log h for h = h_0, h_0 / 2, ... (count of them): the order of accuracy.

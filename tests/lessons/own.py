@@ -24,6 +24,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import answers as grader
+import running
 from answers import LESSONS, ROOT
 
 # Of each part the exercises that it is made of, and what it does; the names are those of src/lessons/own/parts.cpp.
@@ -116,20 +117,18 @@ def show(choice):
 
 # ------------------------------------------------------------------------------------------------- building
 
-def newest(paths):
-    return max(path.stat().st_mtime for path in paths)
-
-
 def compiled(source, target, command, used):
-    """target, made of source; Problem where that does not compile."""
-    if target.exists() and target.stat().st_mtime > newest([source, *used]):
+    """target, made of source; Problem where that does not compile. Kept as long as all it is made of is the same."""
+    key = running.digest(*map(str, command), source, *used)
+    if running.kept(target, key):
         return target
     target.parent.mkdir(parents=True, exist_ok=True)
     command = [*command, "-c", source, "-o", target]
     done = subprocess.run(command, cwd=ROOT, text=True, capture_output=True)
     if done.returncode != 0:
         errors = [line for line in done.stderr.splitlines() if "error" in line] or ["no reason given"]
-        raise Problem(f"{grader.shown(source)} does not compile: {errors[0].replace(f'{ROOT}/', '')}")
+        raise Problem(f"{running.shown(source)} does not compile: {errors[0].replace(f'{ROOT}/', '')}")
+    running.keep(target, key)
     return target
 
 
@@ -141,12 +140,12 @@ def sources(kind, choice):
 
 def linked(files, choice, build):
     """The program."""
-    command, own = grader.compiler(build), build / "lessons" / "own"
-    headers = [*(ROOT / "src" / "lessons").glob("*.hpp"), *(ROOT / "src" / "lessons" / "own").glob("*.hpp"),
-               *(ROOT / "src" / "lessons" / "exercises").glob("*.hpp"), build / "flags"]
+    command, own = running.compiler(build), build / "lessons" / "own"
+    headers = sorted([*(ROOT / "src" / "lessons").glob("*.hpp"), *(ROOT / "src" / "lessons" / "own").glob("*.hpp"),
+                      *(ROOT / "src" / "lessons" / "exercises").glob("*.hpp"), build / "libalmesh.a"])
     missing = next((source for source in files if not source.is_file()), None)
     if missing:
-        raise Problem(f"{grader.shown(missing)} is missing: {grader.back(grader.shown(missing))}")
+        raise Problem(f"{running.shown(missing)} is missing: {running.back(running.shown(missing))}")
     borrowed = " ".join(choice.borrowed)
     objects = [compiled(ROOT / "src" / "lessons" / "own" / "parts.cpp",
                         own / f"parts-{'-'.join(choice.borrowed) or 'all'}.o",
@@ -183,7 +182,7 @@ def run(program, words, build, results=FOLDER, limits=LIMITS):
         with log.open("wb") as output:
             begun = grader.processor_time()
             code = grader.run([program, mesh.name, words[1], " ".join(words[2:])], folder, 4 * limits.seconds,
-                              grader.bounds(build, limits), output)
+                              grader.bounds(limits, memory=True), output)
         printed, after = grader.text_of(log), grader.contents(folder)
         touched = sorted(str(path) for path in before.keys() | after.keys() if before.get(path) != after.get(path))
         written = folder / "outputs" / "lessons" / "12-project"
