@@ -417,6 +417,7 @@ lessons: with-solutions python $(BUILD)/almesh $(SHARED) $(EXAMPLES) $(LESSON_PR
 	tests/lessons/times.py --check
 	tests/lessons/student.py --build $(BUILD) --flags '$(CXXFLAGS)' --parts '$(CHECKS)' --self-test
 	tests/lessons/wrong.py --build $(BUILD)
+	tests/lessons/wrong_grades.py --build $(BUILD)
 	tests/lessons/one_file.py --build $(BUILD)
 	tests/lessons/wrong_own.py --build $(BUILD)
 	tests/documents.py --build $(BUILD) --self-test

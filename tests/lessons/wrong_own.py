@@ -109,7 +109,7 @@ def test_broken(build, every, failures):
             "for (;;) sleep(1);": "still waits", "std::exit(0);": "ends the whole program", "throw 1;": "throws"}
     kinds = [kind for kind in KINDS if "inputs/" not in kind[0]]
     parts = list(own.PARTS)
-    for k, (line, _, _) in enumerate(kinds if every else kinds[2:6]):
+    for k, (line, _) in enumerate(kinds if every else kinds[2:6]):
         part = parts[k % len(parts)]
         number = own.exercises_of(part)[-1]
         source, place = solved(lesson(number))[0], functions(lesson(number))[number]
@@ -124,6 +124,31 @@ def test_broken(build, every, failures):
     return (len(kinds) if every else 4) + 1
 
 
+def test_forged(build, failures):
+    """An answer that prints and writes what a run of the paper's circle does, and ends the program: as good a run as any
+    for the circle, and no other."""
+    choice = own.Choice([], {})
+    with tempfile.TemporaryDirectory(prefix="almesh-own-") as name:
+        results, folder = Path(name), Path(name) / "wrong"
+        with contextlib.redirect_stdout(io.StringIO()):
+            own.run(own.linked(own.sources("solutions", choice), choice, build), own.CIRCLE, build, results)
+        files = "".join(f'std::ofstream("outputs/lessons/12-project/own.{kind}") << R"own({text})own";'
+                        for kind, text in (("csv", (results / "own.csv").read_text()), ("vtk", "")))
+        forged = (f"{INCLUDES}#include <filesystem>\nstatic const int first = [] {{\n"
+                  'std::filesystem::create_directories("outputs/lessons/12-project");\n'
+                  f'{files}\nstd::puts("{own.END}"); std::fflush(stdout); _Exit(0); return 0; }}();\n')
+        folder.mkdir()
+        (folder / "04.cpp").write_text(forged + solved(lesson("4.3"))[0])
+        sources = [folder / "04.cpp" if file.name == "04.cpp" else file for file in own.sources("solutions", choice)]
+        try:
+            message = own.differs(own.linked(sources, choice, build), build)
+        except own.Problem as problem:
+            message = str(problem)
+    if "with the library's parts at" not in message:
+        failures.append(f"a run that is forged is taken for one: {message or 'it holds'}")
+    return 1
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", default="build")
@@ -132,7 +157,7 @@ def main():
     build, failures = (ROOT / options.build).resolve(), []
     parts = test_parts(build, options.all, failures)
     wrong = test_wrong(build, options.all, failures)
-    broken = test_broken(build, options.all, failures)
+    broken = test_broken(build, options.all, failures) + test_forged(build, failures)
     print(f"an almesh of one's own: {parts} choices of parts, {wrong} wrong and {broken} broken answers: " +
           (f"{len(failures)} FAILURES" if failures else "the same mesh, or the part at fault is named"))
     print("\n".join(failures), file=sys.stderr, end="\n" if failures else "")
