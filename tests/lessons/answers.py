@@ -27,11 +27,12 @@ import subprocess
 import sys
 import tempfile
 import time
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from compiling import compile_answers, judge, names_of_answers
-from running import MEGABYTE, ROOT, run, shown, text_of
+from running import MEGABYTE, ROOT, run, sanitizers, shown, text_of
 
 LESSONS = sorted((ROOT / "inputs" / "lessons").glob("[0-9][0-9]-*"))
 MESHES = ("circle.msh", "cube.msh", "square.msh")  # of inputs/meshes/, which exercises read
@@ -283,11 +284,17 @@ def is_template(lesson):
     return changed.returncode != 0 or not changed.stdout
 
 
+def solution_and_template(lesson, build):
+    return [check(answers_of(lesson, kind, build)) for kind in ("solutions", "exercises")]
+
+
 def self_test(build):
     os.environ.setdefault("SEED", "1")
     failures, count = [], 0
-    for lesson in LESSONS:
-        solved, template = (check(answers_of(lesson, kind, build)) for kind in ("solutions", "exercises"))
+    sanitizers(build)  # before each process tries which there are
+    with ProcessPoolExecutor(min(4, os.cpu_count() or 1)) as pool:
+        checked = list(pool.map(solution_and_template, LESSONS, [build] * len(LESSONS)))
+    for lesson, (solved, template) in zip(LESSONS, checked):
         count += len(solved)
         failures += [f"{row.number} {row.title}: the solution does not hold: {row.message}" for row in solved
                      if not row.holds]

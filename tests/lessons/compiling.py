@@ -12,8 +12,8 @@ from pathlib import Path
 
 from definitions import definitions
 from foreign import LIBRARY, RELOCATED, closure, foreign_file, own_part, refused_symbol, symbols, without_texts
-from running import (MEGABYTE, NO_UNDEFINED, ROOT, WATCHED, back, compiler, digest, keep, kept, run, sanitizers, shown,
-                     text_of)
+from running import (MEGABYTE, NO_UNDEFINED, ROOT, WATCHED, back, compiler, digest, keep, kept, of_built, run, sanitizers,
+                     shown, text_of)
 
 TESTS = ROOT / "tests" / "lessons"
 
@@ -127,7 +127,7 @@ def compile_answers(path, number, build, target, seconds):
         return Compiled(f"{shown(path)} says that its lines are those of another file (#line)")
     tools = [Path(__file__).with_name(f"{name}.py") for name in ("compiling", "foreign", "definitions")]
     key = digest(source.text, str(path), *compiler(build, read_once=False), *source.flags, *closure(source.header),
-                 *source.objects, *tools)
+                 *map(of_built, source.objects), *tools)
     if found := kept(target, key):
         return Compiled("", found["absent"], found["missing"])
     target.parent.mkdir(parents=True, exist_ok=True)
@@ -195,7 +195,7 @@ def judge(number, build):
     objects = [build / "tests" / "lessons" / f"{name}.o" for name in (f"{number}_check", "exercise", "child")]
     parts, target = [*objects, build / "libalmesh.a"], build / "lessons" / f"judge-{number}"
     command = [*compiler(build, read_once=False), *sanitizers(build), *parts, "-ldl", "-o", target]
-    key = digest(*map(str, command), *parts)
+    key = digest(*map(str, command), *map(of_built, parts))
     if not kept(target, key):
         target.parent.mkdir(parents=True, exist_ok=True)
         subprocess.run(command, cwd=ROOT, check=True)

@@ -93,6 +93,17 @@ def digest(*parts):
     return found.hexdigest()
 
 
+def of_built(path):
+    """The digest of what make has built, read once."""
+    state = path.stat()
+    return digest_of(path, state.st_mtime_ns, state.st_size)
+
+
+@lru_cache(maxsize=None)
+def digest_of(path, *_):
+    return digest(path)
+
+
 def kept(target, key):
     """What was noted beside the program `target`, if it was made of the same; otherwise None."""
     try:

@@ -11,6 +11,7 @@ import os
 import re
 import sys
 import tempfile
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import own
@@ -83,7 +84,15 @@ def rows_of(number, source, build, numbers=None):
         path = Path(name) / f"{number}.cpp"
         path.write_text(source)
         decks = lesson(number) / "solutions"
-        return check(Answers(lesson(number), path, decks, build, f"wrong-{number}"), LIMITS, numbers)
+        answers = Answers(lesson(number), path, decks, build, f"wrong-{number}-{os.getpid()}")
+        rows = check(answers, LIMITS, numbers)
+        remove(answers.program)
+        return rows
+
+
+def remove(program):
+    for path in (program, program.with_name(program.name + ".made")):
+        path.unlink(missing_ok=True)
 
 
 def template(number):
@@ -99,7 +108,8 @@ def expect_rows(name, rows, says, failures, holds=False):
     whole_table(rows, failures)
 
 
-def test_attacks(build, failures):
+def test_attacks(build):
+    failures = []
     for name, before, says in ATTACKS:
         expect_rows(name, rows_of("01", before + template("01"), build, ["1.1", "1.5"]), says, failures)
     for include in INCLUDES:
@@ -111,7 +121,7 @@ def test_attacks(build, failures):
     rows = rows_of("01", in_function, build)
     expect_rows("_Exit in a function", [row for row in rows if row.number == "1.3"], "ends the whole program", failures)
     expect_rows("beside it", [row for row in rows if row.number != "1.3"], "", failures, holds=True)
-    return len(ATTACKS) + len(INCLUDES) + len(BORROWED) + 1
+    return len(ATTACKS) + len(INCLUDES) + len(BORROWED) + 1, failures
 
 
 def with_line(number, line, source=None):
@@ -121,10 +131,11 @@ def with_line(number, line, source=None):
     return f"{text[:place]}\n    {line}\n{text[place:]}"
 
 
-def test_memory(build, failures):
+def test_memory(build):
     """Writes past the end, which the other tests of these exercises do not see."""
+    failures = []
     if not sanitizers(build):
-        return 0
+        return 0, failures
     source, _ = solved(lesson("03"))
     past = re.sub(r"(std::vector<double> g\(2 \* nodes, 0\.0\);)", r"\1\n    g.data()[2 * nodes] = 0;", source, count=1)
     rows = rows_of("03", past, build)
@@ -134,18 +145,19 @@ def test_memory(build, failures):
     expect_rows("4.4 past the end", [row for row in rows if row.number == "4.4"], "writes memory", failures)
     rows = rows_of("04", with_line("4.4", "const int n = 2147483647 - fixed[0]; g[0] += n + 2 * fixed[0];"), build)
     expect_rows("4.4 overflows", [row for row in rows if row.number == "4.4"], "what C++ does not define", failures)
-    return 3
+    return 3, failures
 
 
-def test_kept(build, failures):
+def test_kept(build):
     """An older template over good answers, and back: the text decides, not the time of the file."""
+    failures = []
     with tempfile.TemporaryDirectory(prefix="almesh-wrong-") as name:
-        answers = Answers(lesson("01"), Path(name) / "01.cpp", Path(name), build, "wrong-01")
+        answers = Answers(lesson("01"), Path(name) / "01.cpp", Path(name), build, "wrong-kept")
         for text, holds in ((solved(lesson("01"))[0], True), (template("01"), False), (solved(lesson("01"))[0], True)):
             answers.source.write_text(text)
             os.utime(answers.source, (0, 0))
             expect_rows("kept", check(answers, LIMITS), "", failures, holds)
-        answers.program.unlink()
+        remove(answers.program)
     with tempfile.TemporaryDirectory(prefix="almesh-own-") as name:
         source, target = Path(name) / "01.cpp", Path(name) / "01.o"
         made = []
@@ -155,7 +167,7 @@ def test_kept(build, failures):
             made.append(own.compiled(source, target, ["c++"], []).read_bytes())
         if made[0] == made[1]:
             failures.append("own.py takes an object that was made of another text")
-    return 4
+    return 4, failures
 
 
 # ------------------------------------------------------------------------------------------------- what does not compile
@@ -181,7 +193,8 @@ MISTAKES = [
 ]
 
 
-def test_mistakes(build, failures):
+def test_mistakes(build):
+    failures = []
     source, _ = solved(lesson("01"))
     for name, change, numbers, says in MISTAKES:
         changed = change(source)
@@ -190,7 +203,7 @@ def test_mistakes(build, failures):
         for row in rows_of("01", changed, build):
             if row.holds == (row.number in numbers) or not (row.holds or re.search(says, row.message)):
                 failures.append(f"{name}: {row.number} {row.message or 'holds'}")
-    return len(MISTAKES)
+    return len(MISTAKES), failures
 
 
 def test_definitions(failures):
@@ -209,8 +222,12 @@ def main():
     build, failures = (ROOT / parser.parse_args().build).resolve(), []
     os.environ.setdefault("SEED", "1")
     test_definitions(failures)
-    attacks = test_attacks(build, failures) + test_memory(build, failures) + test_kept(build, failures)
-    mistakes = test_mistakes(build, failures)
+    sanitizers(build)  # before each process tries which there are
+    with ProcessPoolExecutor(min(4, os.cpu_count() or 1)) as pool:
+        done = [pool.submit(test, build) for test in (test_attacks, test_mistakes, test_memory, test_kept)]
+        counts, found = zip(*(one.result() for one in done))
+    failures += [failure for each in found for failure in each]
+    mistakes, attacks = counts[1], sum(counts) - counts[1]
     print(f"{attacks} attacks on a grade and {mistakes} mistakes that do not compile: " + (
         f"{len(failures)} FAILURES" if failures else "each is refused with its reason, and spoils no other"))
     print("\n".join(failures), file=sys.stderr, end="\n" if failures else "")
