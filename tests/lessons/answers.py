@@ -32,7 +32,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from compiling import compile_answers, judge, names_of_answers
-from running import MEGABYTE, ROOT, run, sanitizers, shown, text_of
+from running import MEGABYTE, ROOT, back, run, sanitizers, shown, text_of
 
 LESSONS = sorted((ROOT / "inputs" / "lessons").glob("[0-9][0-9]-*"))
 MESHES = ("circle.msh", "cube.msh", "square.msh")  # of inputs/meshes/, which exercises read
@@ -203,6 +203,7 @@ def check(answers, limits=Limits(), numbers=None):
         if numbers is not None and number not in numbers:
             continue
         message, printed = (compiled.failure, "") if compiled.failure else check_one(answers, number, limits, compiled)
+        printed = printed.replace("<stdin>", str(shown(answers.source)))  # as the compiler was given it
         rows.append(Row(number, title, " ".join(message.split())[:1000], printed))
     if numbers is None and answers.number == OWN_ALMESH[0][:2] and answers.source.is_relative_to(ROOT):
         import own  # which checks answers itself
@@ -213,13 +214,18 @@ def check(answers, limits=Limits(), numbers=None):
 
 # ------------------------------------------------------------------------------------------------- tables
 
+def before_report(printed):
+    """What an answer has printed without what a sanitizer says of it: its row does."""
+    return re.split(r"^(?:=+\n==\d+==|\S+:\d+:\d+: runtime error)", printed, maxsplit=1, flags=re.MULTILINE)[0]
+
+
 def show(rows):
     said = ""
     for row in rows:
         print(f"  {row.number:<5} {row.title:<50} {'holds' if row.holds else 'does not hold yet'}")
         if not row.holds:
             print(f"        {row.message}" if row.message != said else "        (as above)")
-            for line in row.printed.splitlines()[:10]:
+            for line in before_report(row.printed).splitlines()[:10]:
                 print(f"        it printed: {line[:100]}")
         said = row.message
     print(f"{sum(row.holds for row in rows)} of {len(rows)} answers hold", flush=True)
@@ -263,10 +269,18 @@ def write(path, rows):
     unfinished.replace(path)
 
 
+def changed_header(lesson, root=ROOT):
+    """A reason where the header of the exercises is not the committed one: answers may include what it includes."""
+    name = f"src/lessons/exercises/{lesson.name[:2]}.hpp"
+    done = subprocess.run(["git", "status", "--porcelain", "--", name], cwd=root, text=True, capture_output=True)
+    return f"{name} is not the course's: {back(name)}" if done.returncode == 0 and done.stdout else ""
+
+
 def table(kind, build):
     rows = []
     for lesson in LESSONS:
-        found = check(answers_of(lesson, kind, build))
+        found, reason = check(answers_of(lesson, kind, build)), changed_header(lesson)
+        found = [replace(row, message=reason) for row in found] if reason else found
         rows += [[lesson.name, row.number, row.title, "yes" if row.holds else "no", row.message] for row in found]
         marks = " ".join(f"{row.number}{'+' if row.holds else '-'}" for row in found)
         print(f"{lesson.name:<16} {sum(row.holds for row in found):>2} of {len(found):>2}   {marks}", flush=True)

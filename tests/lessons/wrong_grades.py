@@ -9,13 +9,14 @@ Exit code 1 where something passes. `answers.py` has the commands. Standard libr
 import argparse
 import os
 import re
+import subprocess
 import sys
 import tempfile
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import own
-from answers import LESSONS, ROOT, Answers, Limits, check
+from answers import LESSONS, ROOT, Answers, Limits, changed_header, check
 from definitions import definitions
 from running import sanitizers
 from wrong import functions, solved, whole_table
@@ -45,18 +46,21 @@ ATTACKS = [
      "ends the whole program"),
     ("forges an empty verdict at exit", FORGED + INITIALISER.format(
         "std::atexit([] { forge(); _Exit(0); }); std::exit(1);"), "ends the whole program"),
-    ("forges an empty verdict at exit, later", FORGED + INITIALISER.format("std::atexit([] { forge(); _Exit(0); });"), ""),
+    ("forges an empty verdict at exit, later", FORGED + INITIALISER.format("std::atexit([] { forge(); _Exit(0); });"),
+     ""),
     ("writes into all files", SYSTEM + INITIALISER.format(
         EVERYWHERE.format('if (write(file, "vvvvvvvvvvvvvvvvvvvvvvvv", 24) < 0) continue;')), ""),
     ("closes all files", SYSTEM + INITIALISER.format(EVERYWHERE.format("close(file);")), "ends the whole program"),
-    ("kills the judge", "#include <signal.h>\n" + SYSTEM + INITIALISER.format("kill(getppid(), SIGKILL);"), "calls kill"),
+    ("kills the judge", "#include <signal.h>\n" + SYSTEM + INITIALISER.format("kill(getppid(), SIGKILL);"),
+     "calls kill"),
     ("kills the judge in assembler", INITIALISER.format('asm("nop");'), "has asm"),
     ("prints what holds", SYSTEM + INITIALISER.format('std::puts("  1.1   holds\\n6 of 6 answers hold"); _Exit(0);'),
      "ends the whole program"),
 ]
 SOLUTION = "lessons/solutions/01.cpp"
 INCLUDES = [f"#include <{SOLUTION}>\n", f'#define OF <{SOLUTION}>\n#include OF\n', f"# /**/ include \"{SOLUTION}\"\n",
-            f'#if __has_include("{SOLUTION}")\n#include "{SOLUTION}"\n#endif\n', f"#include \"{ROOT}/src/{SOLUTION}\"\n",
+            f'#if __has_include("{SOLUTION}")\n#include "{SOLUTION}"\n#endif\n',
+            f"#include \"{ROOT}/src/{SOLUTION}\"\n",
             f"#include <../src/{SOLUTION}>\n", f"#inc\\\nlude \"{SOLUTION}\"\n", f"#include_next <{SOLUTION}>\n"]
 # (lesson, what is put before the solution, what all rows say)
 BORROWED = [
@@ -170,25 +174,42 @@ def test_kept(build):
     return 4, failures
 
 
-# ------------------------------------------------------------------------------------------------- what does not compile
+def test_header(failures):
+    """A header that comes with the answers is noticed."""
+    with tempfile.TemporaryDirectory(prefix="almesh-wrong-") as name:
+        header = Path(name) / "src" / "lessons" / "exercises" / "01.hpp"
+        header.parent.mkdir(parents=True)
+        said = []
+        git = ["git", "-c", "user.name=a", "-c", "user.email=a@b"]
+        for text in ("#pragma once\n", '#include "lessons/solutions/01.cpp"\n'):
+            header.write_text(text)
+            for words in () if said else (["init", "-q"], ["add", "."], ["commit", "-qm", "a"]):
+                subprocess.run([*git, *words], cwd=name, check=True)
+            said.append(changed_header(lesson("01"), name))
+    if said[0] or "01.hpp is not the course's" not in said[1]:
+        failures.append(f"a header that is not the committed one: {said}")
+    return 1
+
+
+# ------------------------------------------------------------------------------------------- what does not compile
 
 # (what is done to the solution of lesson 1, the exercises that do not hold, what they say)
+ALL = [f"1.{k}" for k in range(1, 7)]
 MISTAKES = [
     ("a mistake in a function", lambda s: with_line("1.3", "this is no C++;", s), ["1.3"], "does not compile"),
     ("two mistakes", lambda s: with_line("1.3", "int a = b;", with_line("1.5", "return c;", s)), ["1.3", "1.5"],
      "was not declared|undeclared"),
     ("no such function", lambda s: with_line("1.3", "extern int nowhere(); nowhere();", s), ["1.3"], "nowhere"),
-    ("a head that does not compile", lambda s: s.replace("double eta_3d(const Mat<3>& F)", "doubel eta_3d(const Mat<3>& F)"),
-     ["1.3"], "doubel"),
+    ("a head that does not compile", lambda s: s.replace("double eta_3d(const", "doubel eta_3d(const"), ["1.3"], "doubel"),
     ("other arguments", lambda s: s.replace("double eta_3d(const Mat<3>& F)", "double eta_3d(Mat<3> F)"), ["1.3"],
      "no function eta_3d"),
     ("a brace missing", lambda s: with_line("1.3", "{", s), ["1.3"], "brace"),
     ("a brace too many", lambda s: s.replace("double stretch_of", "}\n\ndouble stretch_of"), ["1.4"], "brace"),
     ("a brace missing at the end", lambda s: re.sub(r"\}(\s*\}[^}]*)$", r"\1", s), ["1.6"], "brace"),
     ("no semicolon", lambda s: with_line("1.4", "double a = 1", s), ["1.4"], "expected"),
-    ("nothing", lambda s: "", ["1.1", "1.2", "1.3", "1.4", "1.5", "1.6"], "there is no function"),
-    ("outside of functions", lambda s: s + "\nint = 3;\n", ["1.1", "1.2", "1.3", "1.4", "1.5", "1.6"], "does not compile"),
-    ("a header that is not there", lambda s: "#include <nowhere>\n" + s, ["1.1", "1.2", "1.3", "1.4", "1.5", "1.6"],
+    ("nothing", lambda s: "", ALL, "there is no function"),
+    ("outside of functions", lambda s: s + "\nint = 3;\n", ALL, "does not compile"),
+    ("a header that is not there", lambda s: "#include <nowhere>\n" + s, ALL,
      "nowhere"),
 ]
 
@@ -222,12 +243,13 @@ def main():
     build, failures = (ROOT / parser.parse_args().build).resolve(), []
     os.environ.setdefault("SEED", "1")
     test_definitions(failures)
+    headers = test_header(failures)
     sanitizers(build)  # before each process tries which there are
     with ProcessPoolExecutor(min(4, os.cpu_count() or 1)) as pool:
         done = [pool.submit(test, build) for test in (test_attacks, test_mistakes, test_memory, test_kept)]
         counts, found = zip(*(one.result() for one in done))
     failures += [failure for each in found for failure in each]
-    mistakes, attacks = counts[1], sum(counts) - counts[1]
+    mistakes, attacks = counts[1], headers + sum(counts) - counts[1]
     print(f"{attacks} attacks on a grade and {mistakes} mistakes that do not compile: " + (
         f"{len(failures)} FAILURES" if failures else "each is refused with its reason, and spoils no other"))
     print("\n".join(failures), file=sys.stderr, end="\n" if failures else "")
