@@ -18,7 +18,7 @@ Mat<n> moved(const Mat<n>& F, double h, const Mat<n>& H) {
 }
 
 template <int n>
-double product_of(const Mat<n>& A, const Mat<n>& B) {
+double inner(const Mat<n>& A, const Mat<n>& B) {
     double sum = 0;
     for (int i = 0; i < n; ++i)
         for (int j = 0; j < n; ++j) sum += A[i][j] * B[i][j];
@@ -37,7 +37,7 @@ double order_of_gradient(const Mat<n>& F, const Mat<n>& H, const Mat<n>& gradien
     return order_of(
         [&](double h) {
             return std::abs(distortion<n>(moved<n>(F, h, H), 0.0) - distortion<n>(F, 0.0) -
-                            h * product_of<n>(gradient, H));
+                            h * inner<n>(gradient, H));
         },
         1e-2, 5);
 }
@@ -78,7 +78,7 @@ EXERCISE("2.2", "the gradient of eta in 2D") {
     const double order = order_of_gradient<2>(F2, H2, gradient);
     expect(order > 1.8, "eta(F + h H) - eta(F) - h eta_F : H falls as h^", rounded(order), ", expected h^2",
            hint_2d(gradient));
-    const double along_F = product_of<2>(gradient, F2);
+    const double along_F = inner<2>(gradient, F2);
     expect_close("eta_F : F", along_F, 0, 1e-12, "eta does not change with the size of F");
     for (int i = 0; i < 2; ++i)
         for (int j = 0; j < 2; ++j) {
@@ -93,7 +93,7 @@ EXERCISE("2.2", "the gradient of eta in 2D") {
 EXERCISE("2.3", "the gradient of eta in 3D") {
     const Mat<3> gradient = eta_gradient_3d(F3), expected = density_gradient<3>(F3, 0.0, Power{Shape(), true});
     const double f1 = 2 * (distortion<3>(F3, 0.0) - 1), order = order_of_gradient<3>(F3, H3, gradient);
-    const double along_F = product_of<3>(gradient, F3);
+    const double along_F = inner<3>(gradient, F3);
     expect(std::abs(along_F) < 1e-12, "eta_F : F is ", along_F,
            ", expected 0, because size does not matter: check the power of D, r = 1 / (3 D^{2/3})");
     expect(order > 1.8, "eta(F + h H) - eta(F) - h eta_F : H falls as h^", rounded(order), ", expected h^2");
@@ -111,14 +111,14 @@ EXERCISE("2.4", "the second derivative of eta") {
         return P;
     };
     const Mat<2> K = {{{0.1, 1}, {-0.6, 0.2}}};
-    const double H_K = product_of<2>(H2, eta_second_2d(F2, K)), K_H = product_of<2>(K, eta_second_2d(F2, H2));
+    const double H_K = inner<2>(H2, eta_second_2d(F2, K)), K_H = inner<2>(K, eta_second_2d(F2, H2));
     expect_close(
         "H : eta_FF K", H_K, K_H, 1e-12,
         "a second derivative is symmetric, K : eta_FF H = H : eta_FF K; is one of the two mixed terms missing?");
     const double order = order_of(
         [&](double h) {
-            return std::abs(distortion<2>(moved<2>(F2, h, H2), 0.0) - eta - h * product_of<2>(gradient(F2), H2) -
-                            0.5 * h * h * product_of<2>(H2, eta_second_2d(F2, H2)));
+            return std::abs(distortion<2>(moved<2>(F2, h, H2), 0.0) - eta - h * inner<2>(gradient(F2), H2) -
+                            0.5 * h * h * inner<2>(H2, eta_second_2d(F2, H2)));
         },
         1e-2, 5);
     expect(order > 2.8, "eta(F + h H) less its second-order Taylor polynomial falls as h^", rounded(order),
@@ -139,7 +139,7 @@ EXERCISE("2.4", "the second derivative of eta") {
 
 EXERCISE("2.5", "the second derivative of (eta - 1)^2") {
     const Mat<2> G = {{{1, 2}, {3, -1}}}, GH = {{{0.5, -1}, {2, 4}}};  // any numbers will do
-    const double slope = product_of<2>(G, H2);
+    const double slope = inner<2>(G, H2);
     const Mat<2> at_one = second_of_deviation(1, {}, GH, H2);
     expect_close("at eta = 1, eta_F = 0, entry 1 1", at_one[0][0], 0, 1e-12,
                  "there the second derivative of (eta - 1)^2 vanishes");
@@ -171,11 +171,11 @@ Hyper eta_delta_by_hand(const Mat<2>& F, const Mat<2>& H, const Mat<2>& K, doubl
     const double D = determinant(F), S = frobenius_squared<2>(F), r = std::sqrt(D * D + 4 * delta * delta);
     const double s = D > 0 ? (D + r) / 2 : 2 * delta * delta / (r - D);
     const double s1 = s / r, s2 = 2 * delta * delta / (r * r * r);
-    const double D_H = product_of<2>(cofactor(F), H), D_K = product_of<2>(cofactor(F), K), S_H = 2 * product_of<2>(F, H),
-                 S_K = 2 * product_of<2>(F, K), s_H = s1 * D_H, s_K = s1 * D_K,
-                 s_HK = s2 * D_H * D_K + s1 * product_of<2>(cofactor(H), K);
+    const double D_H = inner<2>(cofactor(F), H), D_K = inner<2>(cofactor(F), K), S_H = 2 * inner<2>(F, H),
+                 S_K = 2 * inner<2>(F, K), s_H = s1 * D_H, s_K = s1 * D_K,
+                 s_HK = s2 * D_H * D_K + s1 * inner<2>(cofactor(H), K);
     return {S / (2 * s), (S_H - S * s_H / s) / (2 * s), (S_K - S * s_K / s) / (2 * s),
-            (product_of<2>(H, K) - (S_H * s_K + S_K * s_H + S * s_HK) / (2 * s) + S * s_H * s_K / (s * s)) / s};
+            (inner<2>(H, K) - (S_H * s_K + S_K * s_H + S * s_HK) / (2 * s) + S * s_H * s_K / (s * s)) / s};
 }
 
 EXERCISE("2.6", "an hour: derivatives without formulas") {

@@ -186,6 +186,7 @@ void take_answers(const std::string& of_answers, const Limits& of_exercise) {
     file = of_answers;
     limits = of_exercise;
     begun = Clock::now();
+    limit_memory();
 }
 
 void expect_each_within(int seconds, const std::string& late) {

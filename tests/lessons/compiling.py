@@ -12,8 +12,8 @@ from pathlib import Path
 
 from definitions import definitions
 from foreign import LIBRARY, RELOCATED, closure, foreign_file, own_part, refused_symbol, symbols, without_texts
-from running import (MEGABYTE, NO_UNDEFINED, ROOT, WATCHED, back, compiler, digest, keep, kept, of_built, run, sanitizers,
-                     shown, text_of)
+from running import (MEGABYTE, NO_UNDEFINED, ROOT, WATCHED, back, compiler, digest, keep, kept, of_built, run,
+                     sanitizers, shown, text_of)
 
 TESTS = ROOT / "tests" / "lessons"
 

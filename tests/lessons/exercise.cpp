@@ -144,8 +144,8 @@ void expect_only(const std::string& name, const std::vector<std::string>& fixed,
 // program the functions. Exit code 0 where all hold.
 //
 // check-NN FOLDER NUMBER FILE ANSWERS SECONDS MEMORY: one of them, with the functions in the shared object ANSWERS,
-// which may use so many seconds of processor time and MB; FILE gets the message, or nothing where the answer holds. Only this
-// program's exit code 0 says that it does.
+// which may use so many seconds of processor time and MB; FILE gets the message, or nothing where the answer holds. Only
+// this program's exit code 0 says that it does.
 int main(int count, char** argument) {
     using namespace almesh::lessons;
     if (count != 2 && count != 7) {

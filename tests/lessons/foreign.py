@@ -15,8 +15,8 @@ QUOTED = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
 RELOCATED = re.compile(r"^(?:.*\*/)?\s*(?:#|%:|\?\?=)(?:\s|/\*.*?\*/)*(?:line\b|\d)", re.MULTILINE)
 # Of other programs, their memory, and code that is loaded: nothing that an answer needs.
 REFUSED = set("""dlopen dlmopen dlsym dlvsym dl_iterate_phdr fork vfork _Fork clone posix_spawn posix_spawnp execl
-    execle execlp execv execve execvp execvpe fexecve system popen ptrace kill killpg tgkill pthread_kill sigqueue syscall
-    process_vm_readv process_vm_writev prctl setsid setpgid""".split())
+    execle execlp execv execve execvp execvpe fexecve system popen ptrace kill killpg tgkill pthread_kill sigqueue
+    syscall process_vm_readv process_vm_writev prctl setsid setpgid""".split())
 
 
 @lru_cache(maxsize=None)

@@ -249,8 +249,8 @@ def differs(program, build):
     moved = [*CIRCLE[:3], f"{random.Random(os.environ.get('SEED')).uniform(5, 8):.4f}", "0"]
     rows, expected = (rows_on(made, moved, build) for made in (program, linked([], Choice(list(PARTS), {}), build)))
     near = all(abs(float(rows[-1][name]) - float(expected[-1][name])) < 1e-5 for name in ("q", "max_eta"))
-    return "" if near else (f"the circle moved by {moved[3]} ends at q = {float(rows[-1]['q']):.6f}, with the library's "
-                            f"parts at q = {float(expected[-1]['q']):.6f}: make own-almesh RUN='{' '.join(moved)}'")
+    return "" if near else (f"the circle moved by {moved[3]} ends at q = {float(rows[-1]['q']):.6f}, with the library's"
+                            f" parts at q = {float(expected[-1]['q']):.6f}: make own-almesh RUN='{' '.join(moved)}'")
 
 
 def grade(kind, build):

@@ -125,7 +125,9 @@ def test_attacks(build):
     rows = rows_of("01", in_function, build)
     expect_rows("_Exit in a function", [row for row in rows if row.number == "1.3"], "ends the whole program", failures)
     expect_rows("beside it", [row for row in rows if row.number != "1.3"], "", failures, holds=True)
-    return len(ATTACKS) + len(INCLUDES) + len(BORROWED) + 1, failures
+    rows = rows_of("04", with_line("4.5", "try { f1(-1); } catch (...) {}"), build, ["4.5"])
+    expect_rows("catches what a callback says", rows, "a derivative is called at x = -1", failures)
+    return len(ATTACKS) + len(INCLUDES) + len(BORROWED) + 2, failures
 
 
 def with_line(number, line, source=None):
@@ -200,7 +202,8 @@ MISTAKES = [
     ("two mistakes", lambda s: with_line("1.3", "int a = b;", with_line("1.5", "return c;", s)), ["1.3", "1.5"],
      "was not declared|undeclared"),
     ("no such function", lambda s: with_line("1.3", "extern int nowhere(); nowhere();", s), ["1.3"], "nowhere"),
-    ("a head that does not compile", lambda s: s.replace("double eta_3d(const", "doubel eta_3d(const"), ["1.3"], "doubel"),
+    ("a head that does not compile", lambda s: s.replace("double eta_3d(const", "doubel eta_3d(const"), ["1.3"],
+     "doubel"),
     ("other arguments", lambda s: s.replace("double eta_3d(const Mat<3>& F)", "double eta_3d(Mat<3> F)"), ["1.3"],
      "no function eta_3d"),
     ("a brace missing", lambda s: with_line("1.3", "{", s), ["1.3"], "brace"),

@@ -125,8 +125,8 @@ def test_broken(build, every, failures):
 
 
 def test_forged(build, failures):
-    """An answer that prints and writes what a run of the paper's circle does, and ends the program: as good a run as any
-    for the circle, and no other."""
+    """An answer that prints and writes what a run of the paper's circle does, and ends the program: as good a run as
+    any for the circle, and no other."""
     choice = own.Choice([], {})
     with tempfile.TemporaryDirectory(prefix="almesh-own-") as name:
         results, folder = Path(name), Path(name) / "wrong"
