@@ -8,8 +8,8 @@
 //
 // ANSWERS names the functions that students write: each call of one runs in a child, which sends the result back
 // (child.hpp). A callback runs there too, and counts in a Shared<int>; many calls in a loop are fewer children with
-// in_child(). A check ends at the first expectation that does not hold; what it says is what the student reads, so it tells what
-// came out, what was expected, and what that hints at.
+// in_child(). A check ends at the first expectation that does not hold; what it says is what the student reads, so it
+// tells what came out, what was expected, and what that hints at.
 #pragma once
 #include <cmath>
 #include <functional>
