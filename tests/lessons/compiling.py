@@ -85,7 +85,9 @@ class Source:
             return errors
         code = (folder / "plain").read_text(errors="replace")
         self.refuse_words(own_part(code))
-        (folder / "answers.ii").write_text('extern "C" [[noreturn]] void almesh_absent(int);\n' + code)
+        first = '# 1 "<stdin>"\n'  # after what the compiler puts before every file
+        declared = code.replace(first, f'extern "C" [[noreturn]] void almesh_absent(int);\n{first}', 1)
+        (folder / "answers.ii").write_text(declared)
         errors = self.step([*command, *self.flags, "-x", "c++-cpp-output", "-c", folder / "answers.ii", "-o",
                             folder / "answers.o"], folder, seconds)
         if errors:

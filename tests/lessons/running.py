@@ -3,6 +3,7 @@
 A program is kept beside a hash of all that it is made of, texts, objects and flags; times of files play no part.
 Standard library only.
 """
+import ctypes
 import hashlib
 import json
 import os
@@ -23,6 +24,8 @@ WATCHED = ["-fno-sanitize-recover=all", "-fno-sanitize=null,alignment,vptr"]
 # Signals stay signals, so that they have the same sentences with and without sanitizers.
 SIGNALS = ("segv", "sigbus", "abort", "sigfpe", "sigill")
 SANITIZING = {"ASAN_OPTIONS": ":".join(["detect_leaks=0", *(f"handle_{name}=0" for name in SIGNALS)])}
+PERSONALITY = getattr(ctypes.CDLL(None), "personality", None) if sys.platform == "linux" else None
+ADDRESSES_ARE_NOT_RANDOM = 0x0040000
 # Of the trial: a function in a shared object, and a program that loads it.
 OBJECT = """extern "C" [[gnu::visibility("default")]] int a(const int* p, int i) { return p[i] + i; }
 """
@@ -42,6 +45,8 @@ def environment():
 def run(command, folder, seconds, limits=None, output=None, given=None):
     """The exit code (negative: a signal; None: took too long). Nothing that it has started goes on."""
     def prepare():
+        if PERSONALITY:
+            PERSONALITY(ADDRESSES_ARE_NOT_RANDOM)  # where it may: another run has the same addresses
         for kind, most in limits or []:
             resource.setrlimit(kind, (most, most))
     process = subprocess.Popen(command, cwd=folder, stdin=given or subprocess.DEVNULL, stdout=output,
@@ -132,7 +137,8 @@ def sanitizers(build):
         for flags in SANITIZERS:
             made = all(run([*command, *flags, *more], folder, 60, output=subprocess.DEVNULL) == 0 for more in (
                 [*WATCHED, "-shared", *NO_UNDEFINED, "a.cpp", "-o", "a.so"], ["m.cpp", "-ldl", "-o", "m"]))
-            if made and run([folder / "m", "./a.so"], folder, 60, output=subprocess.DEVNULL) == 3:
+            load = [folder / "m", "./a.so"]  # some sanitizers cannot bear all of the random addresses
+            if made and all(run(load, folder, 60, output=subprocess.DEVNULL) == 3 for _ in range(10)):
                 break
     note.write_text(shlex.join(flags) + "\n")
     keep(note, key, flags=flags)
