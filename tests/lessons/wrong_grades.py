@@ -57,6 +57,10 @@ ATTACKS = [
     ("prints what holds", SYSTEM + INITIALISER.format('std::puts("  1.1   holds\\n6 of 6 answers hold"); _Exit(0);'),
      "ends the whole program"),
 ]
+# The number 1, as a child would send it.
+SENDING = ("const struct [[gnu::packed]] { char kind; unsigned long size; double value; } sent = {'v', 8, 1};"
+           "for (int file = 3; file < 64; ++file) if (write(file, &sent, sizeof sent) < 0) continue;"
+           "for (;;) sleep(1);")
 SOLUTION = "lessons/solutions/01.cpp"
 INCLUDES = [f"#include <{SOLUTION}>\n", f'#define OF <{SOLUTION}>\n#include OF\n', f"# /**/ include \"{SOLUTION}\"\n",
             f'#if __has_include("{SOLUTION}")\n#include "{SOLUTION}"\n#endif\n',
@@ -127,7 +131,9 @@ def test_attacks(build):
     expect_rows("beside it", [row for row in rows if row.number != "1.3"], "", failures, holds=True)
     rows = rows_of("04", with_line("4.5", "try { f1(-1); } catch (...) {}"), build, ["4.5"])
     expect_rows("catches what a callback says", rows, "a derivative is called at x = -1", failures)
-    return len(ATTACKS) + len(INCLUDES) + len(BORROWED) + 2, failures
+    rows = rows_of("01", SYSTEM + with_line("1.3", SENDING), build, ["1.3"])
+    expect_rows("sends a result itself, and never ends", rows, ", expected ", failures)
+    return len(ATTACKS) + len(INCLUDES) + len(BORROWED) + 3, failures
 
 
 def with_line(number, line, source=None):
