@@ -116,10 +116,12 @@ def ending(code, limits, used):
     if code >= 0:
         return f"ends the whole program, with exit code {code}, instead of returning"
     name = signal.Signals(-code).name
-    if name in ("SIGXCPU", "SIGKILL"):
+    if name == "SIGXCPU" or (name == "SIGKILL" and used >= 0.7 * limits.seconds):
         return f"takes more than {limits.seconds} s: is there a loop that does not end?"
     if name == "SIGXFSZ":
         return f"prints or writes more than {limits.output} MB: is there a loop that does not end?"
+    if name == "SIGKILL":
+        return "is killed: does it ask for too much memory, or end itself?"
     hint = {"SIGSEGV": ": an index out of range, or a function that calls itself without end?",
             "SIGFPE": ": an integer division by zero?", "SIGABRT": ": a failed assertion, or an index out of range?"}
     return f"crashes ({name}){hint.get(name, '')}"

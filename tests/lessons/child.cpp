@@ -179,11 +179,13 @@ Heard listen(int from, pid_t child) {
     return heard;
 }
 
-[[noreturn]] void explain(const Heard& heard, bool was_limited) {
-    const int signal = WIFSIGNALED(heard.status) ? WTERMSIG(heard.status) : 0;
+// allowed: seconds of processor time, those of expect_each_within() where was_limited.
+[[noreturn]] void explain(const Heard& heard, int allowed, bool was_limited) {
+    int signal = WIFSIGNALED(heard.status) ? WTERMSIG(heard.status) : 0;
+    if (signal == SIGKILL && heard.seconds >= 0.7 * allowed) signal = SIGXCPU;  // by the hard limit
     if (heard.bytes.size() >= longest) refuse("returns more than can be read");
     if (!heard.in_time) throw Ended(concat("late ", heard.seconds));
-    if (was_limited && (signal == SIGXCPU || (signal == SIGKILL && heard.seconds >= seconds_each))) refuse(if_late);
+    if (was_limited && signal == SIGXCPU) refuse(if_late);
     throw Ended(concat("ended ", signal ? -signal : WEXITSTATUS(heard.status)));
 }
 
@@ -219,6 +221,7 @@ void* address_of(const char* name) {
 std::string from_child(const std::function<void(std::string&)>& compute) {
     const int left = std::max(1, limits.seconds - static_cast<int>(used_by_children()));
     const bool is_limited = seconds_each > 0 && seconds_each < left;
+    const int allowed = is_limited ? seconds_each : left;
     std::fflush(nullptr);
     int ends[2];
     if (pipe(ends) != 0) throw std::runtime_error("there is no pipe to a child");
@@ -227,13 +230,13 @@ std::string from_child(const std::function<void(std::string&)>& compute) {
     if (child == 0) {
         close(ends[0]);
         to_judge = ends[1];
-        prepare_child(is_limited ? seconds_each : left);
+        prepare_child(allowed);
         compute_in_child(compute);
     }
     setpgid(child, child);
     close(ends[1]);
     const Heard heard = listen(ends[0], child);
-    if (!is_whole(heard.bytes)) explain(heard, is_limited);
+    if (!is_whole(heard.bytes)) explain(heard, allowed, is_limited);
     std::string_view rest(heard.bytes);
     rest.remove_prefix(1);
     std::string text;

@@ -48,7 +48,8 @@ def run(command, folder, seconds, limits=None, output=None, given=None):
         if PERSONALITY:
             PERSONALITY(ADDRESSES_ARE_NOT_RANDOM)  # where it may: another run has the same addresses
         for kind, most in limits or []:
-            resource.setrlimit(kind, (most, most))
+            later = 2 if kind == resource.RLIMIT_CPU else 0  # first SIGXCPU, then SIGKILL
+            resource.setrlimit(kind, (most, most + later))
     process = subprocess.Popen(command, cwd=folder, stdin=given or subprocess.DEVNULL, stdout=output,
                                stderr=subprocess.STDOUT, env=environment(), preexec_fn=prepare, start_new_session=True)
     try:
