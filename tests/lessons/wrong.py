@@ -4,14 +4,19 @@ broken ones spoil nothing.
 
   tests/lessons/wrong.py [--build FOLDER] [--all] [NN ...]    of all lessons, or of those named
 
-Wrong answers are changes of the solutions, three of them for each exercise, in wrong.txt:
+Wrong answers are changes of the solutions, five of them or more for each exercise, in wrong.txt:
 
   1.3 the power of 2D          number of the exercise, what is wrong
   - std::cbrt(det * det)       once in the solution, or in one of the lesson's decks
   + det                        what takes its place; \\n: a new line
   > size                       what the message has to say, for one that helps
 
-The first of every exercise of a lesson are compiled together, so are the second and the third. Broken answers are made
+  1.3 one for all              or lines at the beginning of a function of the solution
+  @ eta_3d                     its name
+  + return 1;
+  > infinity
+
+The first of every exercise of a lesson are compiled together, so are the second and so on. Broken answers are made
 from the solutions: a line that crashes, never ends, prints without end, ... goes into the function of one exercise. Its
 row has to give the reason, all other exercises have to hold, and the table has to be whole. --all: a hundred of them;
 otherwise one of each kind, and of the wrong answers the first of each exercise. Exit code 1 where something is not
@@ -32,7 +37,7 @@ from pathlib import Path
 from answers import LESSONS, ROOT, Answers, Limits, check, show_one, watch, write
 
 WRONG = Path(__file__).resolve().parent / "wrong.txt"
-PER_EXERCISE = 3
+PER_EXERCISE = 5  # at least
 LIMITS = Limits(seconds=30)
 TIGHT = Limits(seconds=2, memory=512, output=1)
 BROKEN = 100
@@ -73,9 +78,15 @@ class Wrong:
     old: str
     new: str
     says: str
+    function: str
 
     def put_into(self, source, decks):
         """"" or what is wrong with this entry; the source comes back changed."""
+        if self.function:
+            begins = list(re.finditer(rf"^[\w:<>, ]+ {self.function}\([^;{{]*\) {{", source, re.MULTILINE))
+            if len(begins) != 1:
+                return source, f"{self.function}() is {len(begins)} times in the solution, not once"
+            return f"{source[:begins[0].end()]}\n{self.new}\n{source[begins[0].end():]}", ""
         places = [name for name, text in decks.items() if self.old in text]
         count = source.count(self.old) + sum(text.count(self.old) for text in decks.values())
         if count != 1:
@@ -94,25 +105,26 @@ def wrong_answers():
             continue
         number, name = lines[0].split(" ", 1)
         parts = {mark: "\n".join(line[2:] for line in lines[1:] if line[:1] == mark).replace("\\n", "\n")
-                 for mark in "-+>"}
-        found.setdefault(number, []).append(Wrong(number, name, parts["-"], parts["+"], parts[">"]))
+                 for mark in "-+>@"}
+        found.setdefault(number, []).append(Wrong(number, name, *(parts[mark] for mark in "-+>@")))
     return found
 
 
-def test_wrong(lesson, build, which, failures):
+def test_wrong(lesson, build, every, failures):
     """How many wrong answers were tried; what was not noticed goes into `failures`."""
-    entries, tried = wrong_answers(), 0
-    for k in which:
+    entries, tried = {number: found for number, found in wrong_answers().items()
+                      if number.split(".")[0].zfill(2) == lesson.name[:2]}, 0
+    for k in range(max([PER_EXERCISE, *map(len, entries.values())]) if every else 1):
         source, decks = solved(lesson)
-        chosen = {number: found[k] for number, found in entries.items()
-                  if number.split(".")[0].zfill(2) == lesson.name[:2] and k < len(found)}
+        chosen = {number: found[k] for number, found in entries.items() if k < len(found)}
         for wrong in chosen.values():
             source, problem = wrong.put_into(source, decks)
             if problem:
                 failures.append(f"{wrong.exercise} {wrong.name}: {problem}")
         for row in graded(lesson, source, decks, build, LIMITS):
             if row.number not in chosen:
-                failures.append(f"{row.number} has no wrong answer {k + 1} in wrong.txt")
+                if k < PER_EXERCISE:
+                    failures.append(f"{row.number} has no wrong answer {k + 1} in wrong.txt")
                 continue
             wrong, tried = chosen[row.number], tried + 1
             if row.holds:
@@ -149,7 +161,7 @@ KINDS = [
 
 
 def functions(lesson):
-    """{exercise: the place in the solution where the body of its function begins}, where it has one of its own."""
+    """{exercise: the place in the solution where the body of its first function begins}, where it has one."""
     source, header = (path.read_text() for path in (
         solution_of(lesson), ROOT / "src" / "lessons" / "exercises" / f"{lesson.name[:2]}.hpp"))
     places = {}
@@ -157,7 +169,7 @@ def functions(lesson):
         declared = re.search(r"^[\w:<>, ]+ (\w+)\([^;]*\);", declaration, re.MULTILINE)
         defined = declared and re.search(rf"^[\w:<>, ]+ {declared[1]}\([^;{{]*\) {{", source, re.MULTILINE)
         if defined:
-            places[number] = defined.end()
+            places.setdefault(number, defined.end())
     return places
 
 
@@ -273,7 +285,7 @@ def main():
     build = (ROOT / options.build).resolve()
     lessons = [lesson for lesson in LESSONS if not options.lesson or lesson.name[:2] in options.lesson]
     failures = []
-    wrong = sum(test_wrong(lesson, build, range(PER_EXERCISE if options.all else 1), failures) for lesson in lessons)
+    wrong = sum(test_wrong(lesson, build, options.all, failures) for lesson in lessons)
     programs = broken_programs(lessons, options.all)
     for lesson, broken in programs:
         test_broken(lesson, broken, build, failures)
