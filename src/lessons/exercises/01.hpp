@@ -20,11 +20,13 @@ struct Circle {
 };
 Circle level_set(const Vec<2>& apex, double eta);
 
-// 1.3 eta of tetrahedra, Eq. 1 with n = 3: infinite where det F is not positive.
+// 1.3 eta of tetrahedra, Eq. 1 with n = 3: infinite where det F is not positive. All entries of F may be as small as
+// 1e-150, or as large as 1e150.
 double eta_3d(const Mat<3>& F);
 
 // 1.4 eta_delta, Eqs. 2 and 3, n = 2, finite for every F if delta > 0. It must keep its digits where det F is
-// negative and delta small: det = -1, delta = 1e-9 has sigma_delta = 1e-18, not 0.
+// negative and delta small: det = -1, delta = 1e-9 has sigma_delta = 1e-18, not 0. With delta = 0 it is eta of Eq. 1:
+// infinite where det F is not positive, F = 0 included.
 double eta_regularised(const Mat<2>& F, double delta);
 
 // 1.5 The ratio s of the singular values of a 2 x 2 matrix F (s >= 1) that has a given eta >= 1: how far a triangle of

@@ -30,12 +30,19 @@ Circle level_set(const Vec<2>& apex, double eta) {
 }
 
 double eta_3d(const Mat<3>& F) {
-    const double det = determinant(F);
-    return det > 0 ? frobenius_squared<3>(F) / (3 * std::cbrt(det * det)) : INFINITY;
+    double size = 0;  // the largest entry: eta of F / size is the same, and its products stay within double's range
+    for (const auto& row : F)
+        for (const double entry : row) size = std::max(size, std::abs(entry));
+    Mat<3> G = F;
+    for (auto& row : G)
+        for (double& entry : row) entry /= size;
+    const double det = determinant(G);  // no number where F = 0
+    return det > 0 ? frobenius_squared<3>(G) / (3 * std::cbrt(det * det)) : INFINITY;
 }
 
 double eta_regularised(const Mat<2>& F, double delta) {
     const double det = determinant(F), root = std::sqrt(det * det + 4 * delta * delta);
+    if (delta == 0 && !(det > 0)) return INFINITY;
     // det + root loses all digits where det < 0: there multiply and divide by root - det.
     const double sigma = det > 0 ? 0.5 * (det + root) : 2 * delta * delta / (root - det);
     return frobenius_squared<2>(F) / (2 * sigma);
