@@ -14,8 +14,14 @@ Mat<n> sum(double a, const Mat<n>& A, double b, const Mat<n>& B) {
     return C;
 }
 
-double product(const Mat<2>& A, const Mat<2>& B) {
+double contract(const Mat<2>& A, const Mat<2>& B) {
     return A[0][0] * B[0][0] + A[0][1] * B[0][1] + A[1][0] * B[1][0] + A[1][1] * B[1][1];
+}
+
+// Also for 2.4, which holds whether 2.2 does or not.
+Mat<2> gradient(const Mat<2>& F) {
+    const double D = determinant(F), S = frobenius_squared<2>(F);
+    return sum<2>(1 / D, F, -S / (2 * D * D), cofactor(F));
 }
 
 }  // namespace
@@ -26,8 +32,13 @@ double observed_order(const std::function<double(double)>& f, double slope, doub
 }
 
 Mat<2> eta_gradient_2d(const Mat<2>& F) {
-    const double D = determinant(F), S = frobenius_squared<2>(F);
-    return sum<2>(1 / D, F, -S / (2 * D * D), cofactor(F));
+    return gradient(F);
+}
+
+Mat<2> gradient_by_ideal(const Mat<2>& A, const Mat<2>& B) {
+    // In 2D eta(F) = eta(F^-1) (lesson 1, on paper): A may as well be the triangle that moves, with the ideal B.
+    const Mat<2> B_inverse = inverse<2>(B);
+    return multiply<2>(eta_gradient_2d(multiply<2>(A, B_inverse)), transpose<2>(B_inverse));
 }
 
 Mat<3> eta_gradient_3d(const Mat<3>& F) {
@@ -36,16 +47,34 @@ Mat<3> eta_gradient_3d(const Mat<3>& F) {
     return sum<3>(2 * r, F, S * r1, cofactor(F));
 }
 
+Mat<3> sized_gradient_3d(const Mat<3>& F) {
+    const double D = determinant(F), eta = frobenius_squared<3>(F) / (3 * std::cbrt(D * D));
+    return sum<3>((D + 1 / D) / 2, eta_gradient_3d(F), eta * (1 - 1 / (D * D)) / 2, cofactor(F));
+}
+
 Mat<2> eta_second_2d(const Mat<2>& F, const Mat<2>& H) {
     const Mat<2> C = cofactor(F);
-    const double D = determinant(F), S = frobenius_squared<2>(F), D_H = product(C, H), S_H = 2 * product(F, H);
+    const double D = determinant(F), S = frobenius_squared<2>(F), D_H = contract(C, H), S_H = 2 * contract(F, H);
     const Mat<2> of_first = sum<2>(1 / D, H, -D_H / (D * D), F);
     const Mat<2> of_second = sum<2>(-S_H / (2 * D * D) + S * D_H / (D * D * D), C, -S / (2 * D * D), cofactor(H));
     return sum<2>(1, of_first, 1, of_second);
 }
 
+Mat<2> falling_curvature(const Mat<2>& F) {
+    // H = F + t G, G = eta_F: as eta_FF F = -G the curvature is -2 t |G|^2 + t^2 G : eta_FF G. It is least at this t.
+    const Mat<2> G = gradient(F);
+    return sum<2>(1, F, contract(G, G) / contract(G, eta_second_2d(F, G)), G);
+}
+
 Mat<2> second_of_deviation(double eta, const Mat<2>& eta_F, const Mat<2>& eta_FF_H, const Mat<2>& H) {
-    return sum<2>(2 * product(eta_F, H), eta_F, 2 * (eta - 1), eta_FF_H);
+    return sum<2>(2 * contract(eta_F, H), eta_F, 2 * (eta - 1), eta_FF_H);
+}
+
+double fourth_order(const Mat<2>& H) {
+    // eta = 1 + second h^2 + O(h^3), half of H : eta_FF H: neither a scaling nor a rotation counts.
+    const double stretch = H[0][0] - H[1][1], shear = H[0][1] + H[1][0];
+    const double second = (stretch * stretch + shear * shear) / 2;
+    return second * second;
 }
 
 static Hyper sum(double s, const Hyper& a, double t, const Hyper& b) {
