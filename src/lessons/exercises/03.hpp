@@ -14,13 +14,22 @@ using Triangles = std::vector<std::array<int, 3>>;  // node numbers, from 0
 // 3.1 The gradients of the three hat functions on the triangle with the vertices y: N_i is 1 at y_i, 0 at the others.
 std::array<Vec<2>, 3> hat_gradients(const std::array<Vec<2>, 3>& y);
 
+// 3.1, too: the cotangents of the angles at its vertices, from these gradients alone.
+std::array<double, 3> cotangents(const std::array<Vec<2>, 3>& gradient);
+
 // 3.2 The first array of the CSR pattern, `row`: row[i] blocks come before row i, row[nodes] are all. Row i has a block
-// for node i itself and one for every node that is in a triangle with it.
+// for node i itself and one for every node that is in a triangle with it. Twice the triangles may take twice the time.
 std::vector<int> row_offsets(int nodes, const Triangles& triangles);
 
 // 3.3 The gradient of the mesh from those of its triangles: local[e][i] is dE_e/dx of vertex i of triangle e. Result:
 // (x_0, y_0, x_1, y_1, ...).
 std::vector<double> assemble(int nodes, const Triangles& triangles, const std::vector<std::array<Vec<2>, 3>>& local);
+
+// 3.3, too: the same where some nodes are tied to others, as those of a crack that is to stay closed. Node i moves with
+// node leader[i], which may be tied to another one itself; leader[i] = i where it moves by itself. The gradient with
+// respect to the nodes that do; the entries of all others are 0. There are leader.size() nodes.
+std::vector<double> assemble_tied(const std::vector<int>& leader, const Triangles& triangles,
+                                  const std::vector<std::array<Vec<2>, 3>>& local);
 
 // 3.4 Adds the Hessian of one triangle to that of the mesh: local[2 i + a][2 j + b] is the derivative of entry a of the
 // gradient at its vertex i with respect to coordinate b of its vertex j. H has all blocks that are needed:

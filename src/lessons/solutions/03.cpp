@@ -1,5 +1,6 @@
 // Solutions of the exercises of lesson 3.
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "lessons/exercises/03.hpp"
@@ -10,6 +11,17 @@ std::array<Vec<2>, 3> hat_gradients(const std::array<Vec<2>, 3>& y) {
     const Mat<2> A = {{{y[1][0] - y[0][0], y[2][0] - y[0][0]}, {y[1][1] - y[0][1], y[2][1] - y[0][1]}}};
     const Mat<2> B = inverse<2>(A);
     return {{{-B[0][0] - B[1][0], -B[0][1] - B[1][1]}, B[0], B[1]}};
+}
+
+std::array<double, 3> cotangents(const std::array<Vec<2>, 3>& gradient) {
+    // A gradient is perpendicular to the opposite edge: where two edges make an angle, their gradients make 180 degrees
+    // less that angle. All three pairs span the same area, as they add up to zero.
+    std::array<double, 3> cot;
+    for (int i = 0; i < 3; ++i) {
+        const Vec<2>&u = gradient[(i + 1) % 3], &v = gradient[(i + 2) % 3];
+        cot[i] = -(u[0] * v[0] + u[1] * v[1]) / std::abs(u[0] * v[1] - u[1] * v[0]);
+    }
+    return cot;
 }
 
 std::vector<int> row_offsets(int nodes, const Triangles& triangles) {
@@ -28,6 +40,15 @@ std::vector<double> assemble(int nodes, const Triangles& triangles, const std::v
         for (int i = 0; i < 3; ++i)
             for (int a = 0; a < 2; ++a) g[2 * triangles[e][i] + a] += local[e][i][a];
     return g;
+}
+
+std::vector<double> assemble_tied(const std::vector<int>& leader, const Triangles& triangles,
+                                  const std::vector<std::array<Vec<2>, 3>>& local) {
+    Triangles of_leaders = triangles;  // what a triangle says to a node it says to the node that moves it
+    for (auto& triangle : of_leaders)
+        for (int& i : triangle)
+            while (leader[i] != i) i = leader[i];
+    return assemble(static_cast<int>(leader.size()), of_leaders, local);
 }
 
 void add_to(BlockCsr& H, const std::array<int, 3>& triangle, const std::array<std::array<double, 6>, 6>& local) {
