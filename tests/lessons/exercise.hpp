@@ -40,12 +40,15 @@ void expect_close(const std::string& what, double value, double expected, double
                   const std::string& hint = "");
 
 // Inputs that nobody can guess: others at each run, the same again with SEED=N in the environment. A message that says
-// why an answer does not hold ends with the seed, where the exercise has asked for random numbers.
+// why an answer does not hold ends with the seed, where the exercise has asked for random numbers. These have four
+// digits, so that they can be read, and typed.
 class Random {
 public:
     explicit Random(unsigned seed) : engine_(seed) {}
-    double uniform(double low, double high) { return low + (high - low) * (engine_() / 4294967296.0); }
-    double scale(double low, double high) { return std::exp(uniform(std::log(low), std::log(high))); }  // low > 0
+    double uniform(double low, double high) { return short_of(low + (high - low) * (engine_() / 4294967296.0)); }
+    double scale(double low, double high) {  // low > 0
+        return short_of(low * std::pow(high / low, engine_() / 4294967296.0));
+    }
     int integer(int low, int high) { return low + static_cast<int>(engine_() % (high - low + 1u)); }    // both included
     template <class T>
     void shuffle(std::vector<T>& all) {
@@ -53,6 +56,11 @@ public:
     }
 
 private:
+    static double short_of(double x) {
+        const double digits = x == 0 ? 0 : 3 - std::floor(std::log10(std::abs(x)));  // behind the point
+        const double power = std::pow(10, std::abs(digits));
+        return digits > 0 ? std::round(x * power) / power : std::round(x / power) * power;
+    }
     std::mt19937 engine_;
 };
 Random& random_inputs();
