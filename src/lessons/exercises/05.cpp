@@ -13,12 +13,12 @@ double reach_of_translation(double r, double R) {
     return R - r;  // ANSWER 5.2
 }
 
-double determinant_at_circle(double /*theta*/, double /*R*/) {
+double determinant_of_turn(double /*theta*/, double /*R*/, double /*r*/) {
     return 1;  // ANSWER 5.3
 }
 
-double determinant_of_profile(double /*theta*/, double /*slope*/) {
-    return 1;  // ANSWER 5.4
+double turn_of_profile(double /*slope*/) {
+    return 0;  // ANSWER 5.4
 }
 
 double reach_with_stiffness(double /*p*/, double R) {

@@ -8,20 +8,21 @@
 
 namespace almesh::lessons {
 
-// 5.1 The stiffness matrix of the Laplacian on one triangle, K_ij = |e| grad N_i . grad N_j, N_i the hat functions.
+// 5.1 The stiffness matrix of the Laplacian on one triangle, K_ij = |e| grad N_i . grad N_j, N_i the hat functions; the
+// vertices are counter-clockwise.
 Mat<3> laplacian_of_triangle(const std::array<Vec<2>, 3>& vertex);
 
 // 5.2 How far the circle of radius r in the middle of one of radius R can be translated before the harmonic extension
 // inverts something.
 double reach_of_translation(double r, double R);
 
-// 5.3 det F at the inner circle, of radius 1, after it has been turned by the angle theta (in radians) in one of radius
-// R and the displacement extended harmonically.
-double determinant_at_circle(double theta, double R);
+// 5.3 det F at the distance r from the middle, 1 <= r <= R, after the inner circle, of radius 1, has been turned by the
+// angle theta (in radians), the outer one, of radius R, has been held, and the displacement extended harmonically.
+double determinant_of_turn(double theta, double R, double r);
 
-// 5.4 The same for the extension u = (Q - I) x s(|x|) of a rotation Q with any profile s, s(1) = 1, given its slope
-// s'(1).
-double determinant_of_profile(double theta, double slope);
+// 5.4 The extension u = (Q - I) x s(|x|) of a rotation Q with any profile s, s(1) = 1, given its slope s'(1): the
+// smallest angle of Q, above 0, in radians, at which det F = 0 at the inner circle; infinity where there is none.
+double turn_of_profile(double slope);
 
 // 5.6 How far the circle of radius 1 in the middle of one of radius R can be translated if the displacement u solves
 // div(r^-p grad u) = 0 in place of Laplace's equation: any p, 0 and numbers near it among them.

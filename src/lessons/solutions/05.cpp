@@ -20,11 +20,15 @@ Mat<3> laplacian_of_triangle(const std::array<Vec<2>, 3>& vertex) {
 
 double reach_of_translation(double r, double R) { return r * std::log(R / r); }
 
-double determinant_of_profile(double theta, double slope) { return 1 + slope * (1 - std::cos(theta)); }
+double determinant_of_turn(double theta, double R, double r) {
+    const double s = (R * R / (r * r) - 1) / (R * R - 1), slope = -2 * R * R / (r * r * r) / (R * R - 1);
+    const double c = std::cos(theta) - 1, q = std::sin(theta);  // Q - I = (c, -q; q, c)
+    const double along = s + r * slope;                         // at (r, 0): F e_1 = e_1 + along (Q - I) e_1,
+    return (1 + along * c) * (1 + s * c) + along * q * s * q;   // and F e_2 = e_2 + s (Q - I) e_2
+}
 
-double determinant_at_circle(double theta, double R) {
-    const double slope_at_1 = -2 * R * R / (R * R - 1);  // s(r) = (R^2 / r^2 - 1) / (R^2 - 1)
-    return 1 + slope_at_1 * (1 - std::cos(theta));
+double turn_of_profile(double slope) {
+    return slope <= -0.5 ? std::acos(1 + 1 / slope) : INFINITY;  // det F = 1 + slope (1 - cos theta)
 }
 
 double reach_with_stiffness(double p, double R) {
