@@ -7,55 +7,94 @@ namespace {
 
 ANSWERS(penalised_place, penalty_for, without_penalty_error, condition_with_penalty, penalised_minimum);
 
-EXERCISE("6.1", "a spring and a penalty") {
-    for (const double kappa : {1.0, 7.0})
-        for (const double mu : {0.5, 100.0}) {
-            const double g = 3, x = penalised_place(kappa, g, mu), force = kappa * x + mu * (x - g);
-            expect(std::abs(force) < 1e-9, "with kappa = ", kappa, ", g = 3, mu = ", mu, " x is ", x,
-                   ", where the derivative is ", force, ", not 0", x == g ? ": a penalty never gets there" : "");
-        }
+EXERCISE("6.1", "springs and a penalty") {
+    for (int k = 0; k < 24; ++k) {
+        Random& random = random_inputs();
+        const double unit = random.scale(1e-4, 1e4), k_1 = unit * random.scale(0.1, 10),
+                     k_2 = unit * random.scale(0.1, 10);
+        const double mu = k % 6 == 5 ? 0 : unit * random.scale(0.05, 100), g = k == 7 ? 0 : random.uniform(-5, 5);
+        const double x = penalised_place(k_1, k_2, g, mu), y = k_2 * x / (k_1 + k_2), pull = k_2 * (x - y);
+        const std::string where = concat("with k_1 = ", k_1, ", k_2 = ", k_2, ", g = ", g, ", mu = ", mu, " x is ", x);
+        expect(std::abs(pull + mu * (x - g)) <= 1e-9 * (unit + mu) * std::abs(g), where, ": y is then at rest at ", y,
+               ", the second spring pulls x back with ", pull, " and the penalty to g with ", mu * (g - x),
+               ", which should be the same", x == g ? ": a penalty never gets there" : "");
+    }
 }
 
 EXERCISE("6.2", "how large a penalty") {
-    for (const double tolerance : {0.1, 1e-3, 1e-6}) {
-        const double kappa = 4, g = -2, mu = penalty_for(kappa, g, tolerance),
-                     error = kappa * std::abs(g) / (kappa + mu);
-        expect(mu >= 0, "mu is ", mu, ", less than 0, for g = -2: what counts is the distance, and g is negative here");
-        expect(error <= 1.0001 * tolerance, "with mu = ", mu, " x is off by ", error, ", which is more than ",
-               tolerance);
-        expect(error >= 0.9999 * tolerance, "mu = ", mu, " is larger than it need be: x is off by ", error, ", and ",
-               tolerance, " is allowed");
+    for (int k = 0; k < 24; ++k) {
+        Random& random = random_inputs();
+        const double kappa = random.scale(1e-3, 1e3), g = random.scale(1e-3, 1e3) * (k % 2 ? 1 : -1);
+        const double tolerance = std::abs(g) * random.scale(1e-8, 0.9), mu = penalty_for(kappa, g, tolerance);
+        const double error = kappa * std::abs(g) / (kappa + mu);
+        const std::string where = concat("with kappa = ", kappa, ", g = ", g, ", mu = ", mu, " x is off by ", error);
+        expect(mu >= 0, "mu is ", mu, ", less than 0, for g = ", g, ", tolerance ", tolerance,
+               ": what counts is the distance", g < 0 ? ", and g is negative here" : "");
+        expect(error <= tolerance * (1 + 1e-9), where, ", which is more than ", tolerance);
+        expect(error >= tolerance * (1 - 1e-9), where, ", and ", tolerance,
+               " is allowed: mu is larger than it need be");
+        const double loose = std::abs(g) * random.scale(1, 100), none = penalty_for(kappa, g, loose);
+        expect(none == 0, "where x = 0 is near enough the penalty is ", none, ", expected 0: kappa = ", kappa,
+               ", g = ", g, ", tolerance ", loose);
     }
-    expect(penalty_for(1, 0.5, 1) == 0, "where x = 0 is near enough the penalty is ", penalty_for(1, 0.5, 1),
-           ", expected 0");
 }
 
 EXERCISE("6.3", "the limit from two penalties") {
-    const auto q = [](double mu) { return 12 - 5 / mu; };
-    expect_close("the limit of 12 - 5/mu from mu = 2 and 6", without_penalty_error(2, q(2), 6, q(6)), 12, 1e-9,
-                 "two equations q = q_infinity + a / mu, two unknowns");
-    // The distance of the spring of 6.1 from its wall falls like 1/mu, its extrapolated one like 1/mu^2.
-    const double order = order_of(
-        [](double h) {
+    for (int k = 0; k < 20; ++k) {
+        Random& random = random_inputs();
+        const double limit = random.uniform(-20, 20), a = random.uniform(-10, 10), mu_1 = random.scale(0.1, 1e4),
+                     mu_2 = mu_1 * (k % 2 ? random.scale(1.5, 30) : 1 / random.scale(1.5, 30)), q_1 = limit + a / mu_1,
+                     q_2 = limit + a / mu_2;
+        const double found = without_penalty_error(mu_1, q_1, mu_2, q_2);
+        expect(std::abs(found - limit) <= 1e-9 * (1 + std::abs(q_1) + std::abs(q_2)), "the limit of ", limit,
+               a < 0 ? " - " : " + ", std::abs(a), "/mu from mu = ", mu_1, " and ", mu_2, " is ", found, ", expected ",
+               limit, ": two equations q = q_infinity + a / mu, two unknowns");
+    }
+    // The distance of a spring from its wall falls like 1/mu, its extrapolated one like 1/mu^2.
+    const double ratio = random_inputs().uniform(1.5, 4), order = order_of(
+        [&](double h) {
             const double mu = 1 / h, kappa = 1;
-            return std::abs(without_penalty_error(mu, mu / (kappa + mu), 2 * mu, 2 * mu / (kappa + 2 * mu)) - 1);
+            return std::abs(
+                without_penalty_error(mu, mu / (kappa + mu), ratio * mu, ratio * mu / (kappa + ratio * mu)) - 1);
         },
         0.02, 6);
-    expect(std::abs(order - 2) < 0.1, "the error of the spring's place falls with order ", order,
+    expect(std::abs(order - 2) < 0.1, "the error of the place of a spring falls with order ", order,
            " in 1/mu, expected 2: the part a / mu has to cancel");
 }
 
+// In the basis a / |a| and across it the penalty is in one entry alone, so that the determinant is a difference of
+// numbers that are not near each other.
+double measured_condition(const Mat<2>& K, const Vec<2>& a, double mu) {
+    const double squared = a[0] * a[0] + a[1] * a[1], length = std::sqrt(squared);
+    const double c = length > 0 ? a[0] / length : 1, s = length > 0 ? a[1] / length : 0;
+    const double along = c * c * K[0][0] + 2 * c * s * K[0][1] + s * s * K[1][1] + mu * squared,
+                 across = s * s * K[0][0] - 2 * c * s * K[0][1] + c * c * K[1][1],
+                 mixed = c * s * (K[1][1] - K[0][0]) + (c * c - s * s) * K[0][1];
+    const double large = (along + across + std::hypot(along - across, 2 * mixed)) / 2;
+    return large * large / (along * across - mixed * mixed);
+}
+
 EXERCISE("6.4", "the condition number") {
-    const Mat<2> K = {{{3, 1}, {1, 2}}};
+    const Mat<2> shown = {{{3, 1}, {1, 2}}};
     const double root = std::sqrt(5.0);
-    expect_close("without a penalty that of (3 1; 1 2)", condition_with_penalty(K, {1, 0}, 0), (5 + root) / (5 - root),
-                 1e-9, "the eigenvalues are (5 + sqrt 5)/2 and (5 - sqrt 5)/2");
-    // For large mu: mu |a|^2 over b' K b, b across a and of length one.
-    for (const double mu : {1e7, 1e11, 1e15})
-        expect_close(concat("with mu = ", mu, ", a = (1.1, 2.3), divided by mu, "),
-                     condition_with_penalty(K, {1.1, 2.3}, mu) / mu, 6.5 * 6.5 / 13.23, 1e-5,
-                     "the smallest eigenvalue is lost in differences of large numbers; it is det / largest, and "
-                     "det(K + mu a a') = det K + mu a' adj(K) a");
+    expect_close("without a penalty the condition number of (3 1; 1 2)", condition_with_penalty(shown, {1, 0}, 0),
+                 (5 + root) / (5 - root), 1e-9, "the eigenvalues are (5 + sqrt 5)/2 and (5 - sqrt 5)/2");
+    for (int k = 0; k < 40; ++k) {
+        Random& random = random_inputs();
+        const double turn = random.uniform(0, 3.14), c = std::cos(turn), s = std::sin(turn),
+                     unit = random.scale(1e-3, 1e3), l = unit * random.scale(0.1, 10), m = unit * random.scale(0.1, 10),
+                     size = random.scale(0.1, 10), phi = k % 8 == 7 ? 0 : random.uniform(0, 6.28);
+        const Mat<2> K = {{{c * c * l + s * s * m, c * s * (l - m)}, {c * s * (l - m), s * s * l + c * c * m}}};
+        const Vec<2> a = {size * std::cos(phi), size * std::sin(phi)};
+        const double mu = k % 5 == 0 ? 0 : k % 5 == 1 ? unit * random.scale(0.1, 10) : unit * random.scale(1, 1e15);
+        const double found = condition_with_penalty(K, a, mu), expected = measured_condition(K, a, mu);
+        expect(std::abs(found - expected) <= 1e-6 * expected, "the condition number with K = (", K[0][0], " ", K[0][1],
+               "; ", K[1][0], " ", K[1][1], "), a = (", a[0], ", ", a[1], "), mu = ", mu, " is ", found, ", expected ",
+               expected,
+               mu > 1e6 * unit ? ": digits of the smallest eigenvalue are lost in differences of large numbers?"
+               : mu > 0        ? ": K and the penalty both count"
+                               : "");
+    }
 }
 
 EXERCISE("6.5", "one penalty") {
@@ -73,10 +112,47 @@ EXERCISE("6.5", "one penalty") {
     expect_close("log10 of mu0", exponent, std::round(exponent), 1e-9, "a power of ten is asked for");
 }
 
-// From x, with at most eight steps, to forces in balance.
-void check_penalised(const char* name, Constrained problem, const Vec<2>& x) {
-    for (const double mu : {1.0, 100.0, 1e4, 1e8, 1e12, 1e18}) {
-        const std::string of = concat(name, ", mu = ", mu);
+// The same problem in coordinates that are turned and shifted, with f and c in other units.
+struct Elsewhere {
+    double c, s, force, unit;
+    Vec<2> shift;
+
+    Elsewhere() {
+        Random& random = random_inputs();
+        const double turn = random.uniform(0, 6.28);
+        c = std::cos(turn), s = std::sin(turn), force = random.scale(0.5, 2), unit = random.scale(0.5, 2);
+        shift = {random.uniform(-3, 3), random.uniform(-3, 3)};
+    }
+    Vec<2> turned(const Vec<2>& v) const { return {c * v[0] - s * v[1], s * v[0] + c * v[1]}; }
+    Vec<2> to(const Vec<2>& x) const { return {turned(x)[0] + shift[0], turned(x)[1] + shift[1]}; }
+    Vec<2> from(const Vec<2>& x) const {
+        const double u = x[0] - shift[0], v = x[1] - shift[1];
+        return {c * u + s * v, c * v - s * u};
+    }
+    Vec<2> gradient(const Vec<2>& g, double by) const { return turned({by * g[0], by * g[1]}); }
+    Mat<2> hessian(const Mat<2>& H, double by) const {
+        const Vec<2> columns[2] = {turned({H[0][0], H[1][0]}), turned({H[0][1], H[1][1]})};  // Q H, then (Q H) Q'
+        const Vec<2> rows[2] = {turned({columns[0][0], columns[1][0]}), turned({columns[0][1], columns[1][1]})};
+        return {{{by * rows[0][0], by * rows[0][1]}, {by * rows[1][0], by * rows[1][1]}}};
+    }
+    Constrained of(const Constrained& problem) const {
+        return {[=, *this](const Vec<2>& x) { return gradient(problem.f1(from(x)), force); },
+                [=, *this](const Vec<2>& x) { return hessian(problem.f2(from(x)), force); },
+                [=, *this](const Vec<2>& x) { return unit * problem.c(from(x)); },
+                [=, *this](const Vec<2>& x) { return gradient(problem.c1(from(x)), unit); },
+                [=, *this](const Vec<2>& x) { return hessian(problem.c2(from(x)), unit); }};
+    }
+};
+
+// From near x, with at most eight steps, to forces in balance.
+void check_penalised(const char* name, const Constrained& here, const Vec<2>& x) {
+    for (const double exponent : {0.0, random_inputs().uniform(0, 4), random_inputs().uniform(4, 12), 18.0}) {
+        const Elsewhere elsewhere;
+        const double mu = std::pow(10, exponent) * elsewhere.force / (elsewhere.unit * elsewhere.unit);
+        const Vec<2> start =
+            elsewhere.to({x[0] + random_inputs().uniform(-0.1, 0.1), x[1] + random_inputs().uniform(-0.1, 0.1)});
+        const Constrained problem = elsewhere.of(here);
+        const std::string of = concat(name, ", turned and shifted, mu = ", mu);
         Shared<int> steps;
         Constrained counted = problem;
         counted.f2 = [&](const Vec<2>& at) {
@@ -84,7 +160,7 @@ void check_penalised(const char* name, Constrained problem, const Vec<2>& x) {
                    "mu c(x), and in the matrix it multiplies the second derivative of c");
             return problem.f2(at);
         };
-        const auto [end, force] = penalised_minimum(counted, mu, x);
+        const auto [end, force] = penalised_minimum(counted, mu, start);
         const Vec<2> f1 = problem.f1(end), c1 = problem.c1(end);
         const double unbalanced = std::hypot(f1[0] + force * c1[0], f1[1] + force * c1[1]), c = problem.c(end);
         expect(std::abs(c - force / mu) < 1e-9, of, ": c is ", c, " and force / mu ", force / mu,

@@ -5,7 +5,7 @@
 
 namespace almesh::lessons {
 
-double penalised_place(double /*kappa*/, double g, double /*mu*/) {
+double penalised_place(double /*k_1*/, double /*k_2*/, double g, double /*mu*/) {
     return g;  // ANSWER 6.1
 }
 

@@ -6,11 +6,13 @@
 
 namespace almesh::lessons {
 
-// 6.1 The position x at which 1/2 kappa x^2 + mu/2 (x - g)^2 is smallest: a spring of stiffness kappa, which wants to
-// be at 0, and a penalty, which wants it at g.
-double penalised_place(double kappa, double g, double mu);
+// 6.1 Two springs in a row, as the inside of a mesh and its boundary: one of stiffness k_1 > 0 from 0 to the point y,
+// one of stiffness k_2 > 0 from y to x. A penalty mu >= 0 wants x at g. The x at which 1/2 k_1 y^2 + 1/2 k_2 (x - y)^2
+// + mu/2 (x - g)^2 is smallest, y being free.
+double penalised_place(double k_1, double k_2, double g, double mu);
 
-// 6.2 The smallest mu >= 0 for which that x is no farther than `tolerance` from g.
+// 6.2 A single spring, of stiffness kappa > 0: the smallest mu >= 0 for which the x of the smallest
+// 1/2 kappa x^2 + mu/2 (x - g)^2 is no farther than `tolerance` from g.
 double penalty_for(double kappa, double g, double tolerance);
 
 // 6.3 A quantity q that depends on mu like q = q_infinity + a / mu has been computed for two penalties. Returns

@@ -6,7 +6,10 @@
 
 namespace almesh::lessons {
 
-double penalised_place(double kappa, double g, double mu) { return mu * g / (kappa + mu); }
+double penalised_place(double k_1, double k_2, double g, double mu) {
+    const double kappa = k_1 * k_2 / (k_1 + k_2);  // where y is at rest, k_1 y = k_2 (x - y), x feels k_1 y = kappa x
+    return mu * g / (kappa + mu);
+}
 
 double penalty_for(double kappa, double g, double tolerance) {
     return std::max(0.0, kappa * (std::abs(g) / tolerance - 1));  // |x - g| = kappa |g| / (kappa + mu)
