@@ -10,7 +10,7 @@ namespace almesh::lessons {
 using Vector = std::vector<double>;
 
 // 7.1 The exact multiplier of a single mode, to which all updates together would lead. c_1: the constraint at the
-// minimum for lambda; c_2: at the minimum for lambda - mu c_1, that is after one update; mu: the penalty.
+// minimum for lambda, not 0; c_2: at the minimum for lambda - mu c_1, that is after one update; mu: the penalty.
 double exact_multiplier(double lambda, double mu, double c_1, double c_2);
 
 // 7.2 The forces f = M lambda / |1| of a polygonal wall. edges: pairs of nodes; lambda: two numbers for each node. In
@@ -18,7 +18,7 @@ double exact_multiplier(double lambda, double mu, double c_1, double c_2);
 Vector wall_forces(const std::vector<std::array<int, 2>>& edges, const Vector& lambda);
 
 // 7.3 The smallest penalty mu > 0 with which an update divides the error of a mode of stiffness kappa by q > 1.
-// kappa < 0 is a mode along which the energy falls.
+// kappa < 0 is a mode along which the energy falls; kappa is not 0.
 double penalty_for(double kappa, double q);
 
 // 7.4 minimise 1/2 x' K x - b' x subject to a' x = g, by the method of multipliers: lambda = 0 at first; each turn
