@@ -214,9 +214,9 @@ bool goes_on(double c_squared, double gradient_norm, const Constants& constants)
 Settings next(const Settings& now, double c_squared, double mu0, const Constants& constants) {
     const AtWork at_work("schedule");
     if constexpr (yours("schedule")) {
-        const auto s = lesson_08::next({now.m, now.mu, now.omega, now.epsilon}, c_squared, mu0, constants.omega0,
+        const auto s = lesson_08::next({now.mu, now.omega, now.epsilon}, c_squared, mu0, constants.omega0,
                                        constants.epsilon0);  // 8.4
-        return {s.m, s.mu, s.omega, s.epsilon, s.updates_lambda};
+        return {10 * s.mu / mu0, s.mu, s.omega, s.epsilon, s.updates_lambda};
     }
     Schedule schedule({.algorithm = Algorithm::paper, .mu0 = mu0, .omega0 = constants.omega0,
                        .epsilon0 = constants.epsilon0}, 0, 1, 1);

@@ -7,10 +7,14 @@
 
 namespace almesh::lessons {
 
-double contraction(double kappa, double weight, double step) { return 1 - step / (kappa + weight); }
+double best_step(double kappa_1, double kappa_2, double weight) {
+    // The factors 1 - s / (kappa + weight) of the softest and the stiffest mode, with signs that differ.
+    const double soft = kappa_1 + weight, stiff = kappa_2 + weight;
+    return 2 / (1 / soft + 1 / stiff);
+}
 
 int updates_as_printed(double mu, double q) {
-    const double factor = std::abs(1 - 1 / mu);  // 8.1 with kappa = 0, weight mu^2 and step mu
+    const double factor = std::abs(1 - 1 / mu);  // 1 - s / (kappa + w) with kappa = 0, w = mu^2 and s = mu
     if (factor >= 1) return -1;
     int updates = 0;
     for (double error = 1; error > 1 / q; error *= factor) ++updates;
@@ -18,21 +22,20 @@ int updates_as_printed(double mu, double q) {
 }
 
 bool goes_on(double c_squared, double gradient_norm, double epsilon_star, double omega_star) {
-    return c_squared > epsilon_star || gradient_norm > omega_star;
+    return !(c_squared <= epsilon_star && gradient_norm <= omega_star);  // true for NaN, too
 }
 
 Settings next(const Settings& now, double c_squared, double mu0, double omega0, double epsilon0) {
     Settings s = now;
     s.updates_lambda = c_squared <= now.epsilon;  // 9
     if (s.updates_lambda) {
-        s.epsilon /= std::pow(s.m, 0.9);  // 13
-        s.omega /= s.m;                   // 14
+        const double m = 10 * now.mu / mu0;  // by line 18
+        s.epsilon /= std::pow(m, 0.9);       // 13
+        s.omega /= m;                        // 14
     } else {
-        const double m0 = 10;
-        s.m *= 100;                                      // 17
-        s.mu = mu0 * (s.m / m0);                         // 18
-        s.epsilon = epsilon0 / std::pow(s.m / m0, 0.1);  // 19
-        s.omega = omega0 / (s.m / m0);                   // 20
+        s.mu *= 100;                                       // 17, 18
+        s.epsilon = epsilon0 / std::pow(s.mu / mu0, 0.1);  // 19
+        s.omega = omega0 / (s.mu / mu0);                   // 20
     }
     return s;
 }
