@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <numeric>
 
 #include "lessons/exercise.hpp"
 #include "linalg/ordering/ordering.hpp"
@@ -63,59 +65,137 @@ int entries_of_dense_elimination(const Graph& graph) {
     return entries;
 }
 
-// The matrix of a graph: degree plus 0.1 on the diagonal, -1 for every edge.
-BlockCsr matrix_of(const Graph& graph, bool lower_only) {
+// A matrix with the pattern of a graph, any numbers off the diagonal, and positive definite: the diagonal is greater
+// than the sum of their magnitudes.
+BlockCsr random_matrix(const Graph& graph) {
+    const double unit = random_inputs().scale(1e-3, 1e3);
+    std::map<std::array<int, 2>, double> entry;
+    for (int i = 0; i < graph.size(); ++i) {
+        entry[{i, i}] += unit * random_inputs().uniform(0.1, 1);
+        for (const int j : graph.neighbours(i))
+            if (j < i) {
+                const double value = unit * random_inputs().uniform(-2, 2);
+                entry[{i, j}] = entry[{j, i}] = value;
+                entry[{i, i}] += std::abs(value), entry[{j, j}] += std::abs(value);
+            }
+    }
     BlockCsr A;
     A.n = graph.size();
-    A.row.push_back(0);
-    for (int i = 0; i < A.n; ++i) {
-        std::vector<int> columns(graph.neighbours(i).begin(), graph.neighbours(i).end());
-        columns.push_back(i);
-        std::sort(columns.begin(), columns.end());
-        for (const int j : columns) {
-            if (lower_only && j > i) continue;
-            A.col.push_back(j);
-            A.value.push_back(i == j ? graph.degree(i) + 0.1 : -1);
-        }
-        A.row.push_back(A.blocks());
+    A.row.assign(A.n + 1, 0);
+    for (const auto& [place, value] : entry) {
+        A.col.push_back(place[1]);
+        A.value.push_back(value);
+        ++A.row[place[0] + 1];
     }
+    for (int i = 0; i < A.n; ++i) A.row[i + 1] += A.row[i];
     return A;
 }
 
-EXERCISE("10.1", "a product with half a matrix") {
-    const Graph graph = grid(4, 4);
-    const BlockCsr A = matrix_of(graph, false), lower = matrix_of(graph, true);
-    Vector x(A.n), expected(A.n);
-    for (int i = 0; i < A.n; ++i) x[i] = 1 + std::sin(i);
-    multiply(A, x.data(), expected.data());
-    const Vector y = multiply_symmetric(lower, x);
-    expect(y.size() == x.size(), "y has ", y.size(), " entries, expected ", x.size());
+BlockCsr lower_triangle(const BlockCsr& A) {
+    BlockCsr lower;
+    lower.n = A.n;
+    lower.row.push_back(0);
+    for (int i = 0; i < A.n; ++i) {
+        for (int k = A.row[i]; k < A.row[i + 1]; ++k)
+            if (A.col[k] <= i) lower.col.push_back(A.col[k]), lower.value.push_back(A.value[k]);
+        lower.row.push_back(lower.blocks());
+    }
+    return lower;
+}
+
+// n vertices of which each pair is joined with the probability `density`; need not be connected.
+Graph random_graph(int n, double density) {
+    std::vector<std::array<int, 2>> edges;
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < i; ++j)
+            if (random_inputs().uniform(0, 1) < density) edges.push_back({i, j});
+    return graph_of_edges(n, edges);
+}
+
+Vector random_vector(int n) {
+    Vector v(n);
+    for (double& entry : v) entry = random_inputs().uniform(-2, 2);
+    return v;
+}
+
+Vector product(const BlockCsr& A, const Vector& x) {
+    Vector y(A.n);
     for (int i = 0; i < A.n; ++i)
-        expect_close(concat("entry ", i, " of A x"), y[i], expected[i], 1e-12,
-                     "an entry a_ij below the diagonal serves twice, for y_i and for y_j; one on it only once");
+        for (int k = A.row[i]; k < A.row[i + 1]; ++k) y[i] += A.value[k] * x[A.col[k]];
+    return y;
+}
+
+double dot(const Vector& a, const Vector& b) { return std::inner_product(a.begin(), a.end(), b.begin(), 0.0); }
+
+EXERCISE("10.1", "a product with half a matrix") {
+    for (int run = 0; run < 12; ++run) {
+        const BlockCsr A = random_matrix(run == 0   ? grid(4, 4)
+                                         : run == 1 ? random_graph(1, 0)
+                                                    : random_graph(random_inputs().integer(2, 30), 0.3));
+        const BlockCsr lower = lower_triangle(A);
+        const Vector x = random_vector(A.n), expected = product(A, x), half = product(lower, x),
+                     y = multiply_symmetric(lower, x);
+        expect(y.size() == x.size(), "y has ", y.size(), " entries, expected ", x.size());
+        const double unit = *std::max_element(A.value.begin(), A.value.end());
+        for (int i = 0; i < A.n; ++i)
+            expect(std::abs(y[i] - expected[i]) <= 1e-11 * unit, "entry ", i, " of A x, of ", A.n, " rows, is ", y[i],
+                   ", expected ", expected[i],
+                   std::abs(y[i] - half[i]) <= 1e-11 * unit
+                       ? ": that is the product with the lower triangle alone"
+                       : ": which entries of A stand in `lower`, and for how many?");
+    }
 }
 
 EXERCISE("10.2", "counting fill") {
     const Graph star_first = graph_of_edges(6, {{0, 1}, {0, 2}, {0, 3}, {0, 4}, {0, 5}});
     const Graph star_last = graph_of_edges(6, {{5, 0}, {5, 1}, {5, 2}, {5, 3}, {5, 4}});
-    const auto compare = [](const char* what, const Graph& graph, const char* hint) {
+    const auto compare = [](const std::string& what, const Graph& graph, const char* hint) {
         const int answer = factor_entries(graph), right = entries_of_dense_elimination(graph);
         expect(answer == right, what, ": nnz(L) is ", answer, ", expected ", right, ": ", hint);
     };
     compare("a star, its centre last", star_last, "no fill, but the entries of A count, and the diagonal");
     compare("a star, its centre first", star_first, "all leaves become neighbours of each other: L is full");
-    for (const int m : {3, 6}) {
-        const Graph graph = grid(m, m);
-        compare("a grid", graph, "fill makes neighbours, whose elimination makes more fill");
-        compare("a grid by nested dissection", renumbered(graph, nested_dissection(graph)), "every order counts alike");
+    for (int k = 0; k < 8; ++k) {
+        const int rows = random_inputs().integer(2, 7), columns = random_inputs().integer(2, 7);
+        const std::string what = concat("a grid of ", rows, " x ", columns);
+        const Graph graph = grid(rows, columns);
+        std::vector<int> order(graph.size());
+        std::iota(order.begin(), order.end(), 0);
+        random_inputs().shuffle(order);
+        compare(what, graph, "fill makes neighbours, whose elimination makes more fill");
+        compare(what + ", numbered at random", renumbered(graph, order),
+                "fill makes neighbours, whose elimination makes more");
+        compare(what + " by nested dissection", renumbered(graph, nested_dissection(graph)),
+                "every order counts alike");
+    }
+    for (int k = 0; k < 16; ++k) {
+        const int n = k == 0 ? 1 : random_inputs().integer(2, 25);
+        compare(concat("a graph of ", n, " vertices"), random_graph(n, random_inputs().uniform(0, 0.4)),
+                "a graph may be in several parts, and a vertex may have no neighbours");
     }
 }
 
+// A tree with any numbers. kind 0: each vertex joined to any one before it, 1: a path, 2: a star, 3: a path with
+// leaves.
+Graph random_tree(int n, int kind) {
+    std::vector<int> number(n);
+    std::iota(number.begin(), number.end(), 0);
+    random_inputs().shuffle(number);
+    std::vector<std::array<int, 2>> edges;
+    for (int v = 1; v < n; ++v) {
+        const int parent = kind == 0   ? random_inputs().integer(0, v - 1)
+                           : kind == 1 ? v - 1
+                           : kind == 2 ? 0
+                                       : v - 1 - v % 2;
+        edges.push_back({number[v], number[std::max(0, parent)]});
+    }
+    return graph_of_edges(n, edges);
+}
+
 EXERCISE("10.3", "a tree without fill") {
-    for (const int n : {1, 7, 30}) {
-        std::vector<std::array<int, 2>> edges;
-        for (int v = 1; v < n; ++v) edges.push_back({v, (v * 7 + 3) % v});
-        const Graph tree = graph_of_edges(n, edges);
+    for (int k = 0; k < 30; ++k) {
+        const int n = k < 3 ? k + 1 : random_inputs().integer(4, 40);
+        const Graph tree = random_tree(n, k % 4);
         const std::vector<int> order = order_of_tree(tree);
         std::vector<int> sorted = order;
         std::sort(sorted.begin(), sorted.end());
@@ -123,53 +203,62 @@ EXERCISE("10.3", "a tree without fill") {
             expect(static_cast<int>(sorted.size()) == n && sorted[v] == v, "that is no order of the ", n, " vertices");
         const int entries = entries_of_dense_elimination(renumbered(tree, order));
         expect(entries == 2 * n - 1, "a tree of ", n, " vertices has ", entries, " entries in L, expected ", 2 * n - 1,
-               ": n on the diagonal and one for each edge; a vertex with one neighbour left makes no fill");
+               ": n on the diagonal and one for each edge; which vertex can be eliminated without fill?");
     }
 }
 
 EXERCISE("10.4", "a step of conjugate gradients") {
-    const BlockCsr A = matrix_of(grid(3, 3), false);
-    Vector x(A.n), b(A.n);
-    for (int i = 0; i < A.n; ++i) x[i] = std::cos(3 * i);
-    multiply(A, x.data(), b.data());
-    CgState state = {Vector(A.n), b, b};
-    cg_step(A, state);
-    double rr = 0, slope = 0;
-    for (int i = 0; i < A.n; ++i) {
-        rr += state.r[i] * state.r[i];
-        slope += state.r[i] * b[i];
-    }
-    expect(state.x != Vector(A.n), "x has not moved");
-    expect_close("after one step, the slope of the energy along the step taken", slope, 0, 1e-10,
-                 "alpha = r'r / p'Ap goes to the minimum along p");
-    Vector Ap(A.n);
-    multiply(A, state.p.data(), Ap.data());
-    double conjugate = 0;
-    for (int i = 0; i < A.n; ++i) conjugate += Ap[i] * b[i];
-    expect_close("p_1' A p_0", conjugate, 0, 1e-10, "p = r + beta p, beta = the new r'r over the old one");
-    for (int k = 1; k < A.n; ++k)
-        if (std::sqrt(rr) > 1e-13) {
+    for (int run = 0; run < 6; ++run) {
+        const int n = run == 0 ? 9 : random_inputs().integer(3, 14);
+        const BlockCsr A = random_matrix(run == 0 ? grid(3, 3) : random_graph(n, 0.4));
+        const Vector solution = random_vector(n), b = product(A, solution);
+        CgState state;
+        state.x = random_vector(n);
+        state.r = product(A, state.x);
+        for (int i = 0; i < n; ++i) state.r[i] = b[i] - state.r[i];
+        state.p = state.r;
+        const double start = dot(state.r, state.r);
+        const std::string of = concat(" with ", n, " unknowns");
+        for (int step = 1; step <= n && dot(state.r, state.r) > 1e-20 * start; ++step) {
+            const CgState before = state;
             cg_step(A, state);
-            rr = 0;
-            for (const double r_i : state.r) rr += r_i * r_i;
+            const bool whole = state.x.size() == b.size() && state.r.size() == b.size() && state.p.size() == b.size();
+            expect(whole, "x, r or p has another length after step ", step);
+            const Vector Ap = product(A, before.p), Ax = product(A, state.x);
+            const double scale = std::sqrt(start) * 1e-8;
+            expect(state.x != before.x, "x has not moved", of);
+            for (int i = 0; i < n; ++i)
+                expect(std::abs(b[i] - Ax[i] - state.r[i]) < scale, "after step ", step, of, " entry ", i, " of r is ",
+                       state.r[i], ", and that of b - A x is ", b[i] - Ax[i]);
+            expect(std::abs(dot(state.r, before.p)) <= scale * std::sqrt(dot(before.p, before.p)), "after step ", step,
+                   of, " the slope of the energy along the step taken is ", -dot(state.r, before.p),
+                   ", expected 0: the step ", "goes to the minimum along p");
+            if (dot(state.r, state.r) < 1e-20 * start) break;
+            const double across = dot(Ap, state.p) / std::sqrt(dot(Ap, Ap) * dot(state.p, state.p));
+            expect(std::abs(across) < 1e-6, "p_", step, "' A p_", step - 1, of, ", both and A p of length 1, is ",
+                   across, ", expected 0: how much of the last p has to be added to r?");
         }
-    for (int i = 0; i < A.n; ++i)
-        expect_close(concat("after ", A.n, " steps, entry ", i, " of x"), state.x[i], x[i], 1e-8,
-                     "as many steps as unknowns are enough, but for rounding");
+        for (int i = 0; i < n; ++i)
+            expect(std::abs(state.x[i] - solution[i]) < 1e-6, "after ", n, " steps", of, " entry ", i, " of x is ",
+                   state.x[i], ", expected ", solution[i], ": as many steps as unknowns are enough, but for rounding");
+    }
 }
 
 EXERCISE("10.5", "how many steps are enough") {
-    for (const double kappa : {2.0, 100.0, 1e4, 1e6})
-        for (const double factor : {1e-2, 1e-8}) {
-            const int k = sufficient_steps(kappa, factor);
-            const double root = std::sqrt(kappa);
-            const auto bound = [root](int steps) { return 2 * std::pow((root - 1) / (root + 1), steps); };
-            expect(k > 0, "kappa = ", kappa, ": ", k, " steps reduce nothing");
-            expect(bound(k) <= factor * (1 + 1e-9), "kappa = ", kappa, ": after ", k, " steps the bound is ", bound(k),
-                   ", more than ", factor);
-            expect(bound(k - 1) > factor * (1 - 1e-9), "kappa = ", kappa, ": ", k - 1, " steps are enough for ", factor,
-                   ", the answer was ", k, ": it grows like the root of kappa, not like kappa");
-        }
+    for (int run = 0; run < 40; ++run) {
+        const double kappa = 1 + random_inputs().scale(run % 2 ? 1e-3 : 10, run % 2 ? 100 : 1e6),
+                     factor = run % 5 ? random_inputs().scale(1e-12, 0.9) : random_inputs().uniform(0.1, 0.99);
+        const int k = sufficient_steps(kappa, factor);
+        const double root = std::sqrt(kappa);
+        const auto bound = [root](int steps) { return 2 * std::pow((root - 1) / (root + 1), steps); };
+        expect(k > 0, "kappa = ", kappa, ": ", k, " steps reduce nothing");
+        expect(bound(k) <= factor * (1 + 1e-9), "kappa = ", kappa, ": after ", k, " steps the bound is ", bound(k),
+               ", more than ", factor);
+        int enough = 1;
+        while (bound(enough) > factor * (1 - 1e-9)) ++enough;
+        expect(k <= enough, "kappa = ", kappa, ": ", enough, " steps are enough for ", factor, ", the answer was ", k,
+               k > 2 * enough + 1 ? ": it grows like the root of kappa, not like kappa" : "");
+    }
 }
 
 // By walking the elimination tree (Liu 1990): row i of L has the vertices between its earlier neighbours and i.
@@ -188,27 +277,42 @@ int entries_by_tree(const Graph& graph) {
     return entries;
 }
 
+// a., added up. border: whether later points lie before the first row, behind the last one, and so for columns.
+double added_up(int rows, int columns, std::array<bool, 4> border) {
+    if (rows < columns) return added_up(columns, rows, {border[2], border[3], border[0], border[1]});
+    if (columns == 0) return 0;
+    const double s = columns, b = columns * (border[0] + border[1]) + rows * (border[2] + border[3]);
+    const int half = rows / 2;
+    return s * s / 2 + s * b + added_up(half, columns, {border[0], true, border[2], border[3]}) +
+           added_up(rows - half - 1, columns, {true, border[1], border[2], border[3]});
+}
+
 EXERCISE("10.6", "an hour: nested dissection counted") {
-    struct Case {
-        int rows, columns, most;
-    };
-    for (const auto& [rows, columns, most] : {Case{3, 3, 26}, Case{15, 15, 2350}, Case{20, 45, 13500},
-                                              Case{60, 5, 2450}, Case{63, 63, 88000}}) {
+    std::vector<std::array<int, 2>> grids = {{3, 3}, {15, 15}, {63, 63}};
+    for (int k = 0; k < 4; ++k) {
+        grids.push_back({random_inputs().integer(5, 50), random_inputs().integer(5, 50)});
+        grids.push_back({random_inputs().integer(1, 8), random_inputs().integer(20, 80)});
+        if (k % 2) std::swap(grids.back()[0], grids.back()[1]);
+    }
+    for (const auto& [rows, columns] : grids) {
         const int n = rows * columns;
+        const double expected = added_up(rows, columns, {}),
+                     most = 1.1 * (expected + 0.5 * n);  // with the terms of order s
         const std::string where = concat(" of ", rows, " x ", columns, " points");
         const std::vector<int> order = dissection_of_grid(rows, columns);
         std::vector<int> sorted = order;
         std::sort(sorted.begin(), sorted.end());
         for (int v = 0; v < n; ++v)
-            expect(static_cast<int>(sorted.size()) == n && sorted[v] == v, "that is no order of the ", n, " points", where);
+            expect(static_cast<int>(sorted.size()) == n && sorted[v] == v, "that is no order of the ", n, " points",
+                   where);
         const int counted = entries_by_tree(renumbered(grid(rows, columns), order));
-        expect(counted <= most, "nnz(L)", where, " is ", counted, ", it can be ", most, ": cut across the longer side, ",
-               rows == columns ? "and number the separator after both halves, which are ordered alike"
-                               : "whichever that is in each piece");
+        expect(counted <= most, "nnz(L)", where, " is ", counted, ", it can be less than ", std::ceil(most),
+               ": which side of each piece is cut, and what is numbered last?");
         const double foretold = entries_foretold(rows, columns);
-        expect(std::abs(foretold / counted - 1) < (n < 100 ? 0.3 : 0.06), foretold, " entries are foretold", where, ", ",
-               counted, " are counted: a separator has a border on those sides of its piece that have been cut, not ",
-               "where the grid ends, and its points have each other");
+        expect(std::abs(foretold / counted - 1) < (std::min(rows, columns) < 10 ? 0.3 : 0.06), foretold,
+               " entries are foretold", where, ", ", counted,
+               " are counted: on which sides of its piece does a separator have ",
+               "later points, and what do its points have of each other?");
     }
     const auto per_point = [](int m) { return entries_foretold(m, m) / m / m; };
     expect_close("from 1023 x 1023 to 2047 x 2047 points, the growth of nnz(L)/n", per_point(2047) - per_point(1023),
