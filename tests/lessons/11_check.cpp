@@ -12,49 +12,87 @@ namespace {
 
 ANSWERS(growth_exponent, predicted_entries, sum_in_pieces, crossover, lines_loaded, product_rate);
 
+bool is_close(double value, double expected, double tolerance) {
+    return std::abs(value - expected) <= tolerance * std::abs(expected);
+}
+
 EXERCISE("11.1", "the exponent of a growth") {
-    expect_close("the exponent of t = n^2 from 10 to 20", growth_exponent(10, 100, 20, 400), 2, 1e-12,
-                 "the slope in logarithmic axes");
-    expect_close("the exponent of t = 7 n^1.5 from 4 to 9", growth_exponent(4, 56, 9, 189), 1.5, 1e-12,
-                 "the slope between the points in logarithmic axes: a factor before n does not count");
-    expect_close("the exponent of a constant", growth_exponent(3, 5, 8, 5), 0, 1e-12,
-                 "it has the slope 0 in logarithmic axes");
+    for (int k = 0; k < 24; ++k) {
+        Random& random = random_inputs();
+        const double alpha = k == 0   ? 2
+                             : k == 1 ? 0
+                                      : random.uniform(-1, 4),
+                     factor = k == 0 ? 1 : random.scale(1e-9, 1e3), n_1 = random.scale(2, 1e5),
+                     ratio = random.scale(1.5, 100), n_2 = k % 3 ? n_1 * ratio : n_1 / ratio;
+        const double t_1 = factor * std::pow(n_1, alpha), t_2 = factor * std::pow(n_2, alpha);
+        expect_close(concat("the exponent of t = ", factor, " n^", alpha, " from n = ", n_1, " to ", n_2),
+                     growth_exponent(n_1, t_1, n_2, t_2), alpha, 1e-9,
+                     "the slope in logarithmic axes; a factor before n does not count");
+    }
 }
 
 EXERCISE("11.2", "a factor predicted") {
-    expect_close("2D, twice the unknowns from 1000, ratio of nnz(L)", predicted_entries(2, 1000, 1, 2000),
-                 2 * std::log(2000) / std::log(1000), 1e-12, "proportional to n log n, not to n");
-    expect_close("3D, eight times the unknowns, ratio of nnz(L)", predicted_entries(3, 1000, 1, 8000), 16, 1e-12,
-                 "proportional to n^{4/3}: 8^{4/3} = 16");
-    const double circle = predicted_entries(2, 105408, 7982672, 420992) / 37810672;
-    expect(circle > 0.8 && circle < 1.25, "for the circle refined 4 times the ratio to what the program counts is ",
+    for (int k = 0; k < 24; ++k) {
+        Random& random = random_inputs();
+        const int dim = k % 2 ? 3 : 2;
+        const double a = random.scale(1, 30), b = k < 4 ? 0 : random.uniform(-0.5, 3) * a;
+        const double n_1 = random.scale(100, 1e5), n_2 = n_1 * (k % 3 ? random.scale(2, 20) : 1 / random.scale(2, 20)),
+                     n = random.scale(100, 1e7);
+        const auto entries = [=](double m) { return a * (dim == 2 ? m * std::log(m) : m * std::cbrt(m)) + b * m; };
+        const double found = predicted_entries(dim, n_1, entries(n_1), n_2, entries(n_2), n);
+        expect(is_close(found, entries(n), 1e-9), dim, "D: nnz(L) at n = ", n, " from ", entries(n_1), " at ", n_1,
+               " and ", entries(n_2), " at ", n_2, " is ", found, ", expected ", entries(n),
+               dim == 3 ? ": proportional to n^{4/3}, but for a part that is proportional to n"
+                        : ": proportional to n log n, but for a part that is proportional to n");
+    }
+    const double circle = predicted_entries(2, 26432, 1588000, 105408, 7982672, 420992) / 37810672;
+    expect(circle > 0.97 && circle < 1.03, "for the circle refined 4 times the ratio to what the program counts is ",
            circle);
 }
 
+// Pairs by halving: the first part has the largest power of two of sums that leaves some for the second.
+double added_in_pairs(const std::vector<double>& sums, std::size_t first, std::size_t count) {
+    if (count == 1) return sums[first];
+    std::size_t part = 1;
+    while (2 * part < count) part *= 2;
+    return added_in_pairs(sums, first, part) + added_in_pairs(sums, first + part, count - part);
+}
+
 EXERCISE("11.3", "a sum with the same bits") {
-    std::vector<double> v(10007);
-    for (std::size_t i = 0; i < v.size(); ++i) v[i] = 1.0 / (i + 1);
-    const double serial = std::accumulate(v.begin(), v.end(), 0.0);
-    for (const int block : {10, 64, 1000}) {
-        double expected = 0;
-        for (int first = 0; first < 10007; first += block)
-            expected += std::accumulate(v.begin() + first, v.begin() + std::min(first + block, 10007), 0.0);
-        const double answer = sum_in_pieces(v, block);
-        expect(std::abs(answer - serial) < 1e-9, "the sum in pieces of ", block, " is ", answer, ", that of all is ",
-               serial, ": is the last piece, which is shorter, counted?");
-        expect(answer == expected, "the sum in pieces of ", block, " differs by ", answer - expected,
+    expect(sum_in_pieces({}, 4) == 0, "the sum of no values is ", sum_in_pieces({}, 4), ", expected 0");
+    for (int k = 0; k < 24; ++k) {
+        const int size = random_inputs().integer(1, 3000), block = k == 1 ? 5000 : random_inputs().integer(1, 200);
+        std::vector<double> v(size), sums;
+        for (double& value : v) value = random_inputs().scale(1e-6, 1) * random_inputs().uniform(-1, 2);
+        const double serial = std::accumulate(v.begin(), v.end(), 0.0);
+        for (int first = 0; first < size; first += block)
+            sums.push_back(std::accumulate(v.begin() + first, v.begin() + std::min(first + block, size), 0.0));
+        const double expected = added_in_pairs(sums, 0, sums.size()), answer = sum_in_pieces(v, block);
+        expect(std::abs(answer - serial) < 1e-9, "the sum of ", size, " values in pieces of ", block, " is ", answer,
+               ", that of all is ", serial, ": is the last piece, which is shorter, counted, and nothing beyond it?");
+        expect(answer == expected, "the sum of ", size, " values in ", sums.size(), " pieces of ", block,
+               " differs by ", answer - expected,
                answer == serial ? ": these are the bits of one sum from left to right, which threads cannot share"
-                                : ": each piece starts from zero, and the pieces are added in their order");
+               : answer == std::accumulate(sums.begin(), sums.end(), 0.0)
+                   ? ": these are the bits of the pieces added from left to right, not in pairs"
+                   : ": each piece starts from zero, and the sums are added in pairs of neighbours");
     }
 }
 
 EXERCISE("11.4", "where conjugate gradients win") {
-    for (const double b : {10.0, 2000.0}) {
-        const double a = 2, n = crossover(a, b);
-        expect(n > 0, "a = 2, b = ", b, ": n is ", n, ", expected a positive number: solve a n^2 = b n n^{1/3}");
-        const double ratio = a * n * n / (b * n * std::cbrt(n));
-        expect_close(concat("with a = 2, b = ", b, " the ratio of the two costs at n = ", n), ratio, 1, 1e-9,
-                     "a n^2 = b n n^{1/3}");
+    for (int k = 0; k < 24; ++k) {
+        Random& random = random_inputs();
+        const double a = random.scale(0.01, 100), b = random.scale(1, 1e4), c = k < 3 ? 0 : b * random.uniform(0, 0.95);
+        const int count = k % 3 ? random.integer(2, 50) : 1;
+        const double n = crossover(a, b, c, count), third = n * std::cbrt(n), cholesky = a * n * n + count * c * third;
+        const std::string where =
+            concat("a = ", a, ", b = ", b, ", c = ", c, ", ", count, " right-hand sides: n is ", n);
+        expect(n > 0, where, ", expected a positive number");
+        expect(is_close(cholesky, count * b * third, 1e-9), where, ", where Cholesky takes ", cholesky,
+               " operations and conjugate gradients ", count * b * third, ", expected as many");
+        const double none = crossover(a, b, b * random.uniform(1, 3), count);
+        expect(none == 0, "where a solve with the factor takes more than conjugate gradients do you say ", none,
+               ", expected 0: they take fewer for every n");
     }
 }
 
@@ -103,33 +141,59 @@ long loads(const std::vector<int>& columns, int capacity) {
     return loaded;
 }
 
+// Of sparse matrices with any columns.
+std::vector<int> random_columns() {
+    Random& random = random_inputs();
+    std::vector<int> columns(random.integer(1, 400));
+    const int largest = random.integer(8, 200);
+    for (int& column : columns) column = random.integer(0, largest);
+    return columns;
+}
+
 EXERCISE("11.6", "an hour: what a product waits for") {
     const auto expect_loads = [](const std::string& what, const std::vector<int>& columns, int capacity,
                                  const char* hint) {
         const long found = lines_loaded(columns, capacity), expected = loads(columns, capacity);
-        expect(found == expected, what, " through ", capacity, " lines loads ", found, ", expected ", expected, ": ", hint);
+        expect(found == expected, what, " through ", capacity, " lines loads ", found, ", expected ", expected, ": ",
+               hint);
     };
     expect_loads("x_0 x_7 x_8 x_1", {0, 7, 8, 1}, 4, "x_0, x_1 and x_7 are in one line, which comes once");
     expect_loads("x_0 x_8 x_0 x_16 x_8 x_0", {0, 8, 0, 16, 8, 0}, 2,
                  "the line that goes is the one not used for longest; when x_16 comes that is the line of x_8");
-    for (const int m : {40, 64}) {
+    expect_loads("nothing", {}, 3, "nothing is used");
+    for (int k = 0; k < 12; ++k)
+        expect_loads("a product with a matrix with any columns", random_columns(),
+                     k == 0 ? 1 : random_inputs().integer(1, 20), "the line that goes is the one not used for longest");
+    for (const int m : {40, 8 * random_inputs().integer(5, 9)}) {
         std::vector<int> place(m * m);
         std::iota(place.begin(), place.end(), 0);
         for (const int capacity : {4, 3 * m / 8 - 2, 3 * m / 8, 1000})
             expect_loads(concat("a grid of ", m, " x ", m, " points, numbered by rows,"), columns_of_grid(m, place),
                          capacity, "once for each line if three rows fit, three times if they do not");
-        for (int k = m * m - 1; k > 0; --k) std::swap(place[k], place[(k * 7919L + 13) % (k + 1)]);
+        random_inputs().shuffle(place);
         expect_loads(concat("a grid of ", m, " x ", m, " points, numbered at random,"), columns_of_grid(m, place), 20,
                      "nearly one for each entry");
     }
-    const double rate = product_rate({1e6, 5e6, 1, 125000}, 1e12, 1e10);
-    expect_close("Gflop/s with 1e6 rows of five numbers, 125000 lines of x and 10 GB/s", rate / 1e9, 10 * 10 / 80.0, 1e-9,
+    expect_close("Gflop/s with 1e6 rows of five numbers, 125000 lines of x and 10 GB/s",
+                 product_rate({1e6, 5e6, 1, 125000}, 1e12, 1e10) / 1e9, 10 * 10 / 80.0, 1e-9,
                  "1e7 flops for 60 MB of numbers and columns, 4 MB of rows, 8 MB of x and 8 MB of y");
-    expect_close("Gflop/s with 1e5 rows of 15 blocks of 3 x 3, 1e5 lines of x and 20 GB/s",
-                 product_rate({1e5, 1.5e6, 3, 1e5}, 1e12, 2e10) / 1e9, 20 * 27 / 123.2, 1e-9,
-                 "27 Mflop for 108 MB of numbers, 6.4 MB of columns and rows, 6.4 MB of x and 2.4 MB of y");
-    expect_close("Gflop/s of the same with a peak of 1 Gflop/s", product_rate({1e5, 1.5e6, 3, 1e5}, 1e9, 2e10) / 1e9, 1,
-                 1e-9, "no faster than the processor computes");
+    for (int k = 0; k < 16; ++k) {
+        Random& random = random_inputs();
+        const int block = k % 4 + 1;
+        const double rows = random.integer(1000, 1000000), blocks = rows * random.integer(2, 30),
+                     numbers = blocks * block * block, lines = std::ceil(rows * block / 8 * random.uniform(1, 4)),
+                     bandwidth = random.scale(1e9, 1e12), megabytes_of_A = (8 * numbers + 4 * (blocks + rows)) / 1e6,
+                     of_x = 64 * lines / 1e6, of_y = 8 * rows * block / 1e6,
+                     allowed = 2 * numbers / (megabytes_of_A + of_x + of_y) * bandwidth / 1e6,
+                     peak = allowed * (k % 3 ? random.scale(2, 100) : random.uniform(0.1, 0.9));
+        const double found = product_rate({rows, blocks, block, lines}, peak, bandwidth);
+        expect(is_close(found, std::min(peak, allowed), 1e-9), found / 1e9, " Gflop/s with ", rows, " rows of ",
+               blocks / rows, " blocks of ", block, " x ", block, ", ", lines, " lines of x, ", bandwidth / 1e9,
+               " GB/s and a peak of ", peak / 1e9, " Gflop/s, expected ", std::min(peak, allowed) / 1e9, ": ",
+               peak < allowed ? "no faster than the processor computes"
+                              : concat(2 * numbers / 1e6, " Mflop for ", megabytes_of_A, " MB of A, ", of_x,
+                                       " of x and ", of_y, " of y"));
+    }
 }
 
 }  // namespace
