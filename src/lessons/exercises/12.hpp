@@ -14,7 +14,8 @@ struct CubicDensity {
     double f2(double eta) const;
 };
 
-// 12.2 A logarithmic barrier: f(1) = 0, f'(1) = 1 / (M - 1), f -> infinity as eta -> M, infinite from there on.
+// 12.2 Another barrier than the lesson's: f = a + b / (M - eta) for eta < M, with those a and b for which f(1) = 0 and
+// f'(1) = 1, and f infinite from M on; M > 1. With its first two derivatives, which count below M alone.
 struct BarrierDensity {
     using Measure = Shape;
     double M;
