@@ -15,6 +15,8 @@
 namespace almesh::lessons {
 namespace {
 
+ANSWERS(orientation, have_common_point, boundary_edges, cover_number, proved_injective, proves_positive, accepts);
+
 constexpr long long most = 1LL << 60;
 
 std::string text_of(const Point& p) { return concat("(", p[0], ", ", p[1], ")"); }
