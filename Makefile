@@ -453,7 +453,8 @@ certificates: $(BUILD)/almesh-tests ##check the certificate beside dense samples
 
 proofs: almesh $(BUILD)/almesh-tests python ##check proofs: of all cells and degrees, false ones, decks (DECKS="inputs/circle.deck") and meshes (MESHES="outputs/*/final.msh")
 	tests/proofs.py $(or $(MESHES),$(wildcard inputs/meshes/*.msh)) --program ./almesh --tests $(BUILD)/almesh-tests \
-	  $(if $(QUICK),--quick) --decks $(or $(DECKS),$(if $(QUICK),inputs/circle.deck inputs/cells/kinds.deck,$(RUNS)))
+	  $(if $(QUICK),--quick) --decks $(or $(DECKS),$(if $(QUICK),inputs/circle.deck inputs/cells/kinds-2.deck,$(RUNS))) \
+	  --improve $(if $(QUICK),inputs/meshes/square.msh,$(wildcard inputs/meshes/*.msh))
 run-proofs: $(BUILD)/almesh $(BUILD)/almesh-tests python
 	tests/proofs.py --program $(BUILD)/almesh --tests $(BUILD)/almesh-tests --quick
 

@@ -205,11 +205,11 @@ class Tests:
         print(f"{count} pairs of triangles at a corner: {exact} apart, {said} told to be, {false} of them falsely")
         if false or not said: self.wrong.append("triangles at a corner")
 
-    def of_decks(self, decks):
-        """Every mesh that a deck ends with, or has a frame of, and that is certified, has a proof that holds."""
+    def of_runs(self, decks, verb=()):
+        """Every mesh that a run ends with, or has a frame of, and that is certified, has a proof that holds."""
         for deck in decks:
             results, begun = self.folder / "results", time.process_time()
-            command = [self.program, deck, f"output={results}", "proof=yes", "vtk=none"]
+            command = [self.program, *verb, deck, f"output={results}", "proof=yes", "vtk=none"]
             run = subprocess.run(command, capture_output=True, text=True, check=False)
             missing = [line for line in run.stderr.split("\n") if "no proof" in line]
             proofs = sorted(results.rglob("*.proof"))
@@ -231,6 +231,7 @@ def main():
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--tests", help="the program with the tests, for pairs of triangles at a corner")
     parser.add_argument("--decks", nargs="*", default=[])
+    parser.add_argument("--improve", nargs="*", default=[], help="meshes that are improved first")
     parser.add_argument("meshes", nargs="*")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
@@ -240,7 +241,8 @@ def main():
         for cell, p in itertools.product(AXES, (1, 2, 3, 4)):
             if p == 1 or not options.quick: tests.of_cell(cell, p)
         if options.tests: tests.corners(options.tests, 10000 if options.quick else 1000000)
-        tests.of_decks(options.decks)
+        tests.of_runs(options.decks)
+        tests.of_runs(options.improve, ["improve"])
         for path in options.meshes:
             proof, why = tests.written(None, pathlib.Path(path))
             if proof: tests.accept(path, pathlib.Path(path).read_bytes(), proof)
