@@ -140,6 +140,12 @@ TEST_CASE("--json: quality, info and improve") {
     const std::string quality = json_of({"quality", mesh, before}).out, info = json_of({"info", mesh}).out;
     const auto summary = summary_of(ring.output);
     CHECK(has(quality, "\"certified_bound\": 1,"));
+    const std::string proof = ring.folder.path("ring.proof"), proved = json_of({"quality", mesh, "proof=" + proof}).out;
+    CHECK(has(proved, "\"proof\": \"" + proof + "\"}"));
+    CHECK(has(judged(proved), good));
+    const std::string run = json_of({ring.deck, "proof=yes"}).out;
+    CHECK(has(run, "\"proof\": \"" + ring.output + "/final.proof\""));
+    CHECK(has(judged(run), good));
     CHECK(has(quality, "\"certified_valid\": \"yes\", \"certified_injective\": \"yes\""));
     CHECK(has(quality, "\"distances\": [{\"boundary\": \"inner\", \"boundary_distance\": "));
     CHECK(has(info, "{\"kind\": \"Boundaries\", \"group\": \"inner\", \"cells\": 12, \"nodes\": 12, \"box\": ["));

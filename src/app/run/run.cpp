@@ -1,5 +1,7 @@
 #include "app/commands.hpp"
 
+#include <filesystem>
+
 #include "deck/make_problem.hpp"
 #include "deck/so_far.hpp"
 #include "problem/solve.hpp"
@@ -110,6 +112,8 @@ ExitCode run(const Deck& deck, const Output& out, const RunHooks& hooks) {
     const Summary summary = summarise(problem, solution);
     write_summary(deck, summary);
     out.add(summary);
+    if (const std::string proof = deck.output + "/final.proof"; deck.proof)
+        out.add({{"proof", std::filesystem::exists(proof) ? proof : "none"}});
     if (solution.al.status != Status::interrupted) remove_file(path_so_far(deck));
     print_uncertified(out, problem.mesh(), final_positions(problem, solution.x), solution.certificate, deck.output,
                       problem.infeasible);
