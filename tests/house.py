@@ -35,7 +35,7 @@ TOPICS = {
                                "energy/densities.hpp energy/options.hpp "
                                "energy/element_rules.hpp base/small_matrix.hpp"),
     "prescribed positions": (5, 705, "constraint/constraint.hpp constraint/dirichlet.* constraint/trace_space.*"),
-    "driver, from main to minimise": (16, 2274, "main.cpp app/commands.hpp app/command_line.cpp app/run/run.cpp "
+    "driver, from main to minimise": (16, 2278, "main.cpp app/commands.hpp app/command_line.cpp app/run/run.cpp "
                                       "deck/make_problem.* problem/problem.* problem/solve.* method/levels.* "
                                       "method/p_norm.* method/continuation.*"),
 }
