@@ -145,6 +145,9 @@ class Tests:
             if gap < 0: self.refuse(what, mesh, plain(len(two.cells), mesh))
             elif p == 1 and cell in ("triangle", "quadrilateral", "tetrahedron"):
                 self.accept(what, mesh, plain(len(two.cells), mesh))
+        two = Mesh(cell, p, lambda x, y, z: (x - 1, y + 0.1, z if dim == 3 else 0.0) if x > 2.5 else (x, y, z), blocks)
+        if self.written(two.text())[0]: self.wrong.append(f"{name}: a proof of two blocks that touch")
+        else: self.refused += 1
         inside = Mesh(cell, p, lambda x, y, z: (((x - 6) / 8 + 0.9, y / 8 + 0.8, (z / 8 + 0.4 if dim == 3 else 0.0)) if x > 2.5
                                                 else (x, y, z if dim == 3 else 0.0)), blocks)
         self.refuse(f"{name}: a block in a block", inside.text(), plain(len(inside.cells), inside.text()))

@@ -43,7 +43,6 @@ public:
     }
 
     void prove(Proof& proof) const {
-        if (degree_ == 1) return;  // flat ones that have no more in common than their names say need no cuts
         const int count = static_cast<int>(patches_.size());
         std::vector<std::string> lines(count);
         std::vector<char> is_missing(count, 0);
@@ -305,7 +304,7 @@ bool Boundary::is_monotone(const NamedPatch& f, const NamedPatch* g) const {
 }  // namespace
 
 void prove_boundary(const Mesh& mesh, const std::vector<double>& x, Proof& proof) {
-    if (mesh.degree > 1 || !mesh.groups_of_faces.empty()) Boundary(mesh, x).prove(proof);
+    Boundary(mesh, x).prove(proof);
 }
 
 }  // namespace almesh
