@@ -146,8 +146,20 @@ class Tests:
             elif p == 1 and cell in ("triangle", "quadrilateral", "tetrahedron"):
                 self.accept(what, mesh, plain(len(two.cells), mesh))
         two = Mesh(cell, p, lambda x, y, z: (x - 1, y + 0.1, z if dim == 3 else 0.0) if x > 2.5 else (x, y, z), blocks)
-        if self.written(two.text())[0]: self.wrong.append(f"{name}: a proof of two blocks that touch")
-        else: self.refused += 1
+        if p == 1:
+            proof, why = self.written(two.text())
+            if proof and "\ntouch " in proof:
+                self.accept(f"{name}: two blocks that touch", two.text(), proof)
+                line = proof.split("\n")[-3]
+                for other in (line.replace("1e-09", "1e-3"), " ".join([*line.split()[:-1], "0,0,0,1e-09"]),
+                              line.replace("touch", "pair")):
+                    self.refuse(f"{name}: touching, changed", two.text(), proof.replace(line, other))
+                fewer = proof.replace(line + "\n", "").replace(*(f"end {len(proof.split(chr(10))) - k}" for k in (1, 2)))
+                self.refuse(f"{name}: touching, not named", two.text(), fewer)
+            else: self.wrong.append(f"{name}: no proof of two blocks that touch: {why}")
+            nearer = Mesh(cell, p, lambda x, y, z: (x - 1 - 1e-7, y + 0.1, z if dim == 3 else 0.0) if x > 2.5 else (x, y, z),
+                          blocks)
+            self.refuse(f"{name}: two blocks that do more", nearer.text(), with_hash(proof or "", nearer.text()))
         inside = Mesh(cell, p, lambda x, y, z: (((x - 6) / 8 + 0.9, y / 8 + 0.8, (z / 8 + 0.4 if dim == 3 else 0.0)) if x > 2.5
                                                 else (x, y, z if dim == 3 else 0.0)), blocks)
         self.refuse(f"{name}: a block in a block", inside.text(), plain(len(inside.cells), inside.text()))

@@ -34,6 +34,12 @@ double error_of(const Patch& patch) {
     return 1e-14 * largest;
 }
 
+// A point with the least product with d.
+Vec<3> farthest(const std::vector<Vec<3>>& points, const Vec<3>& d) {
+    return *std::min_element(points.begin(), points.end(),
+                             [&](const Vec<3>& v, const Vec<3>& w) { return dot(v, d) < dot(w, d); });
+}
+
 class Boundary {
 public:
     Boundary(const Mesh& mesh, const std::vector<double>& x)
@@ -65,9 +71,15 @@ public:
             std::vector<int> others;
             tree.visit_overlapping({boxes[i]}, [&](int, int k) { others.push_back(tree.items[k]); });
             std::sort(others.begin(), others.end());
-            for (const int j : others)
-                if (patches_[i].name < patches_[j].name)
-                    add(concat("pair", names(patches_[i]), names(patches_[j])), cuts_of(patches_[i], &patches_[j]));
+            for (const int j : others) {
+                const NamedPatch &f = patches_[i], &g = patches_[j];
+                if (!(f.name < g.name)) continue;
+                const std::string both = names(f) + names(g);
+                const auto cuts = cuts_of(f, &g);
+                const std::string touching = cuts ? "" : touching_axis(f, g);
+                if (touching.empty()) add("pair" + both, cuts);
+                else add("touch" + both, touching);
+            }
         }, 1e5);
         for (int i = 0; i < count; ++i) {
             if (!is_missing[i]) proof.lines += lines[i];
@@ -158,6 +170,18 @@ private:
         return is_done ? std::optional(tree) : std::nullopt;
     }
 
+    // The direction along which the two overlap by no more than faces that touch; "": by more.
+    std::string touching_axis(const NamedPatch& f, const NamedPatch& g) const {
+        if (shared(f, g) > 1) return "";
+        const Vec<3> axis = widest_gap(f.patch, g.patch, m_);
+        const double gap = std::max(dot(farthest(f.patch, axis), axis) - dot(farthest(g.patch, -1 * axis), axis),
+                                    dot(farthest(g.patch, axis), axis) - dot(farthest(f.patch, -1 * axis), axis));
+        const double size = std::min(edge_length(f, longest(f)), edge_length(g, longest(g)));
+        if (gap < -0.5 * touching_distance * size) return "";
+        const auto whole = [](double a) { return std::llround(std::ldexp(a, 52)); };
+        return concat(whole(axis[0]), ",", whole(axis[1]), ",", whole(axis[2]), ",", touching_distance);
+    }
+
     bool divide(const NamedPatch& f, std::string& tree, int& pieces, int depth) const {
         if (is_monotone(f, nullptr)) return tree += '.', true;
         if (depth == most_cuts || ++pieces == most_pieces) return false;
@@ -231,12 +255,6 @@ private:
     bool are_apart(const NamedPatch& f, const NamedPatch& g) const;
     bool is_monotone(const NamedPatch& f, const NamedPatch* g) const;
 };
-
-// A point with the least product with d.
-Vec<3> farthest(const std::vector<Vec<3>>& points, const Vec<3>& d) {
-    return *std::min_element(points.begin(), points.end(),
-                             [&](const Vec<3>& v, const Vec<3>& w) { return dot(v, d) < dot(w, d); });
-}
 
 bool Boundary::are_apart(const NamedPatch& f, const NamedPatch& g) const {
     const int common = shared(f, g);

@@ -152,6 +152,9 @@ double contact_tolerance(const Patch& a, const Patch& b, double rounding);
 Contact patch_contact(const Bernstein& basis, const Patch& a, const Patch& b, double tolerance,
                       bool corners_meet = false);
 
+// Of the directions of patch_contact.cpp, of length 1, the one along which two patches are farthest apart.
+Vec<3> widest_gap(const Patch& a, const Patch& b, int m);
+
 // An element as a patch.
 struct Solid {
     const CellType& cell;
