@@ -57,3 +57,11 @@ TEST_CASE("faces of a curved boundary that cross have no proof, and lines are th
     two = raise_degree(two_parts(square_mesh(1), 1, {1.001, 0.3, 0}), 2);
     CHECK(make_proof(two, two.x).missing == "");
 }
+
+TEST_CASE("flat faces that touch are named") {
+    const Mesh two = two_parts(square_mesh(1), 1, {1, 0.3, 0});
+    CHECK(count_of(make_proof(two, two.x).lines, "touch ") == 3);  // two sides, and an end of each with another
+    CHECK(make_proof(two, two.x).missing == "");
+    const Mesh deeper = two_parts(square_mesh(1), 1, {1 - 1e-8, 0.3, 0});
+    CHECK(make_proof(deeper, deeper.x).missing.starts_with("pair "));
+}
