@@ -1,9 +1,9 @@
 // Whether the mesh is injective: it covers every point once, so that no two elements overlap.
 //
 // Let every element be valid (certificate.hpp). The number of points that the map phi takes to y is then the degree of
-// phi at y, which depends on the boundary alone, and changes only across the image of the boundary (Lipman, ACM Trans.
-// Graph. 33(4), 2014, for straight meshes): it rises by one towards the element of each face there. Two faces with the
-// same points and opposite normals, the lips of a closed crack, change nothing: the mesh counts as glued together
+// phi at y, which depends on the boundary alone, and changes only across the image of the boundary (for straight meshes
+// Y. Lipman, SIAM J. Imaging Sci. 7(2), 2014): it rises by one towards the element of each face there. Two faces with
+// the same points and opposite normals, the lips of a closed crack, change nothing: the mesh counts as glued together
 // there. Such pairs do not belong to its boundary, and nodes at the same place are one node.
 //
 // Let the set R of points that phi covers twice be not empty. R ends at faces whose elements are inside R: along part
