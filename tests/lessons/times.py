@@ -6,8 +6,9 @@ its commands take here, too.
   tests/lessons/times.py --check            whether the handouts' lines "Time." agree with it to ten minutes
 
 Nobody was timed. Counted are the words in front of the exercises, without programs and outputs; the commands shown; the
-exercises but for the last, which says itself that it takes an hour. Assumed are the four numbers below: a text with
-formulas is read with a pen in the hand, about a fifth as fast as a novel. Standard library only.
+exercises but for the last, which says itself that it takes an hour, and what they ask for besides: "3.1, too" in the
+header of the lesson. Assumed are the five numbers below: a text with formulas is read with a pen in the hand, about a
+fifth as fast as a novel. Standard library only.
 """
 import re
 import subprocess
@@ -17,8 +18,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 WORDS_A_MINUTE = 50
-MINUTES_A_COMMAND, MINUTES_TO_PREDICT, MINUTES_AN_EXERCISE = 1.5, 3, 12
+MINUTES_A_COMMAND, MINUTES_TO_PREDICT, MINUTES_AN_EXERCISE, MINUTES_BESIDES = 1.5, 3, 12, 5
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```", re.M | re.S)
+BESIDES = re.compile(r"^// \d+\.[1-5], too", re.M)
 CLAIM = re.compile(r"\*\*Time\.\*\* (\d+) minutes: (\d+) to read and run, (\d+) for the exercises")
 
 
@@ -26,17 +28,19 @@ def rounded(minutes):
     return 5 * round(minutes / 5)
 
 
-def counts(handout):
-    """(words, commands, exercises) of the text of a handout."""
+def counts(path):
+    """(words, commands, exercises, what these ask for besides) of a handout."""
+    handout, number = path.read_text(), path.parent.name[:2]
+    besides = BESIDES.findall((ROOT / "src" / "lessons" / "exercises" / f"{number}.hpp").read_text())
     commands = sum(len(re.findall(r"^\$ ", block, re.M)) for kind, block in BLOCK.findall(handout) if kind == "console")
     lesson, exercises = BLOCK.sub("", handout).split("\n## Exercises", 1)
-    return len(lesson.split()), commands, len(re.findall(r"^[1-5]\. ", exercises.split("\n## ")[0], re.M))
+    return len(lesson.split()), commands, len(re.findall(r"^[1-5]\. ", exercises.split("\n## ")[0], re.M)), len(besides)
 
 
-def minutes(words, commands, exercises):
+def minutes(words, commands, exercises, besides):
     """(to read and run, for the exercises)."""
     return (rounded(words / WORDS_A_MINUTE + MINUTES_A_COMMAND * commands + MINUTES_TO_PREDICT),
-            rounded(MINUTES_AN_EXERCISE * exercises))
+            rounded(MINUTES_AN_EXERCISE * exercises + MINUTES_BESIDES * besides))
 
 
 def seconds(build, number):
@@ -47,11 +51,11 @@ def seconds(build, number):
 
 
 def table(handouts, build):
-    head = ["Lesson", "Words", "Commands", "Exercises", "Read and run", "Solve", "In all"]
+    head = ["Lesson", "Words", "Commands", "Exercises", "Besides", "Read and run", "Solve", "In all"]
     head += ["time to run"] if build else []
     print("| " + " | ".join(head) + " |\n|" + "---|" * len(head))
     for path in handouts:
-        counted = counts(path.read_text())
+        counted = counts(path)
         read, solve = minutes(*counted)
         row = [path.parent.name[:2], *counted, f"{read} min", f"{solve} min", f"{read + solve} min"]
         print("| " + " | ".join(map(str, row)) + " |" + (f" {seconds(build, row[0]):.0f} s |" if build else ""))
@@ -63,7 +67,7 @@ def check(handouts):
         claim = CLAIM.search(path.read_text())
         if not claim:
             continue
-        read, solve = minutes(*counts(path.read_text()))
+        read, solve = minutes(*counts(path))
         said = [int(number) for number in claim.groups()]
         if said[0] != said[1] + said[2] or abs(said[1] - read) > 10 or abs(said[2] - solve) > 10:
             wrong += 1
