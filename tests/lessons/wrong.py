@@ -39,7 +39,7 @@ from answers import LESSONS, ROOT, Answers, Limits, check, show_one, watch, writ
 WRONG = Path(__file__).resolve().parent / "wrong.txt"
 PER_EXERCISE = 5  # at least
 LIMITS = Limits(seconds=30)
-TIGHT = Limits(seconds=2, memory=512, output=1)
+TIGHT = Limits(seconds=3, memory=512, output=1)
 BROKEN = 100
 
 
