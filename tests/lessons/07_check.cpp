@@ -12,9 +12,13 @@ namespace {
 
 ANSWERS(exact_multiplier, wall_forces, penalty_for, method_of_multipliers, stiffest_mode);
 
+// Infinite where an entry is no number.
 double largest_difference(const Vector& a, const Vector& b) {
     double largest = a.size() == b.size() ? 0 : INFINITY;
-    for (std::size_t i = 0; i < a.size() && i < b.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
+    for (std::size_t i = 0; i < a.size() && i < b.size(); ++i) {
+        const double difference = std::abs(a[i] - b[i]);
+        if (!(difference <= largest)) largest = std::isnan(difference) ? INFINITY : difference;
+    }
     return largest;
 }
 
