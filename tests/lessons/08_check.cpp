@@ -39,7 +39,10 @@ int updates_needed(double mu, double q) {
 
 EXERCISE("8.2", "how many updates as printed") {
     for (int k = 0; k < 24;) {
-        const double mu = k < 6 ? random_inputs().uniform(0.51, 0.99) : 1 + random_inputs().scale(0.01, 200),
+        const double mu = k == 0   ? 0.5 + random_inputs().scale(1e-4, 1e-3)  // thousands of updates
+                          : k == 1 ? random_inputs().scale(2e3, 2e4)
+                          : k < 6  ? random_inputs().uniform(0.51, 0.99)
+                                   : 1 + random_inputs().scale(0.01, 200),
                      q = 1 + random_inputs().scale(0.1, 1e6);
         const int expected = updates_needed(mu, q);
         if (expected == 0) continue;
@@ -128,28 +131,30 @@ EXERCISE("8.5", "loose tolerances first") {
            "wrong anyway are work for nothing, and so are updates with a soft penalty");
 }
 
-// A chain of springs: E = 1/2 x' K x - b' x with K = tridiag(-1, 2 + ground, -1), c = a' x - 3.
+// A chain of springs: E = 1/2 x' K x + 1/2 sum log cosh x_i - b' x with K = tridiag(-1, 2 + ground, -1), c = a' x - 3.
+// The second term is not quadratic: no line through two gradients foretells a third.
 struct Chain {
     double mu, ground;
     std::vector<double> a, b;
 
     int size() const { return static_cast<int>(a.size()); }
-    double step() const {  // below 2 / (largest eigenvalue of K + mu a a')
+    double step() const {  // below 2 / (largest eigenvalue of the Hessian), that of K + mu a a' and 1/2
         double aa = 0;
         for (const double a_i : a) aa += a_i * a_i;
-        return 1 / (4 + ground + mu * aa);
+        return 1 / (4.5 + ground + mu * aa);
     }
     double constraint(const std::vector<double>& x) const {
         double c = -3;
         for (int i = 0; i < size(); ++i) c += a[i] * x[i];
         return c;
     }
-    // K x - b - factor a; factor = lambda - mu c: the gradient.
+    // K x + 1/2 tanh x - b - factor a; factor = lambda - mu c: the gradient.
     std::vector<double> residual(const std::vector<double>& x, double factor) const {
         std::vector<double> r(a.size());
         for (int i = 0; i < size(); ++i)
             r[i] =
-                (2 + ground) * x[i] - (i > 0 ? x[i - 1] : 0) - (i + 1 < size() ? x[i + 1] : 0) - b[i] - factor * a[i];
+                (2 + ground) * x[i] - (i > 0 ? x[i - 1] : 0) - (i + 1 < size() ? x[i + 1] : 0) + 0.5 * std::tanh(x[i]) -
+                b[i] - factor * a[i];
         return r;
     }
 };
