@@ -126,11 +126,13 @@ Vector product(const BlockCsr& A, const Vector& x) {
 }
 
 double dot(const Vector& a, const Vector& b) { return std::inner_product(a.begin(), a.end(), b.begin(), 0.0); }
+double norm(const Vector& a) { return std::sqrt(dot(a, a)); }
 
 EXERCISE("10.1", "a product with half a matrix") {
     for (int run = 0; run < 12; ++run) {
         const BlockCsr A = random_matrix(run == 0   ? grid(4, 4)
                                          : run == 1 ? random_graph(1, 0)
+                                         : run == 2 ? grid(random_inputs().integer(20, 30), 30)
                                                     : random_graph(random_inputs().integer(2, 30), 0.3));
         const BlockCsr lower = lower_triangle(A);
         const Vector x = random_vector(A.n), expected = product(A, x), half = product(lower, x),
@@ -169,8 +171,9 @@ EXERCISE("10.2", "counting fill") {
                 "every order counts alike");
     }
     for (int k = 0; k < 16; ++k) {
-        const int n = k == 0 ? 1 : random_inputs().integer(2, 25);
-        compare(concat("a graph of ", n, " vertices"), random_graph(n, random_inputs().uniform(0, 0.4)),
+        const int n = k == 0 ? 1 : k == 1 ? random_inputs().integer(130, 200) : random_inputs().integer(2, 25);
+        const double density = k == 1 ? 0.01 : random_inputs().uniform(0, 0.4);
+        compare(concat("a graph of ", n, " vertices"), random_graph(n, density),
                 "a graph may be in several parts, and a vertex may have no neighbours");
     }
 }
@@ -194,7 +197,7 @@ Graph random_tree(int n, int kind) {
 
 EXERCISE("10.3", "a tree without fill") {
     for (int k = 0; k < 30; ++k) {
-        const int n = k < 3 ? k + 1 : random_inputs().integer(4, 40);
+        const int n = k < 3 ? k + 1 : k < 7 ? random_inputs().integer(130, 200) : random_inputs().integer(4, 40);
         const Graph tree = random_tree(n, k % 4);
         const std::vector<int> order = order_of_tree(tree);
         std::vector<int> sorted = order;
@@ -227,6 +230,11 @@ EXERCISE("10.4", "a step of conjugate gradients") {
             const Vector Ap = product(A, before.p), Ax = product(A, state.x);
             const double scale = std::sqrt(start) * 1e-8;
             expect(state.x != before.x, "x has not moved", of);
+            const double along = dot(before.r, before.r) / dot(before.p, Ap);
+            for (int i = 0; i < n; ++i)
+                expect(std::abs(state.x[i] - before.x[i] - along * before.p[i]) <= 1e-7 * along * norm(before.p),
+                       "step ", step, of, " moves entry ", i, " of x by ", state.x[i] - before.x[i], ", expected ",
+                       along * before.p[i], ": a step goes along p, how far it goes is a product with A");
             for (int i = 0; i < n; ++i)
                 expect(std::abs(b[i] - Ax[i] - state.r[i]) < scale, "after step ", step, of, " entry ", i, " of r is ",
                        state.r[i], ", and that of b - A x is ", b[i] - Ax[i]);
