@@ -61,7 +61,8 @@ double added_in_pairs(const std::vector<double>& sums, std::size_t first, std::s
 EXERCISE("11.3", "a sum with the same bits") {
     expect(sum_in_pieces({}, 4) == 0, "the sum of no values is ", sum_in_pieces({}, 4), ", expected 0");
     for (int k = 0; k < 24; ++k) {
-        const int size = random_inputs().integer(1, 3000), block = k == 1 ? 5000 : random_inputs().integer(1, 200);
+        const int size = k == 0 ? random_inputs().integer(30000, 50000) : random_inputs().integer(1, 3000),
+                  block = k == 0 ? random_inputs().integer(1, 3) : k == 1 ? 5000 : random_inputs().integer(1, 200);
         std::vector<double> v(size), sums;
         for (double& value : v) value = random_inputs().scale(1e-6, 1) * random_inputs().uniform(-1, 2);
         const double serial = std::accumulate(v.begin(), v.end(), 0.0);
@@ -142,10 +143,9 @@ long loads(const std::vector<int>& columns, int capacity) {
 }
 
 // Of sparse matrices with any columns.
-std::vector<int> random_columns() {
+std::vector<int> random_columns(int count, int largest) {
     Random& random = random_inputs();
-    std::vector<int> columns(random.integer(1, 400));
-    const int largest = random.integer(8, 200);
+    std::vector<int> columns(count);
     for (int& column : columns) column = random.integer(0, largest);
     return columns;
 }
@@ -161,9 +161,16 @@ EXERCISE("11.6", "an hour: what a product waits for") {
     expect_loads("x_0 x_8 x_0 x_16 x_8 x_0", {0, 8, 0, 16, 8, 0}, 2,
                  "the line that goes is the one not used for longest; when x_16 comes that is the line of x_8");
     expect_loads("nothing", {}, 3, "nothing is used");
-    for (int k = 0; k < 12; ++k)
-        expect_loads("a product with a matrix with any columns", random_columns(),
-                     k == 0 ? 1 : random_inputs().integer(1, 20), "the line that goes is the one not used for longest");
+    for (int k = 0; k < 13; ++k) {
+        const bool is_large = k == 12;
+        const int count = is_large ? 8000 : random_inputs().integer(1, 400),
+                  largest = is_large ? 16000 : random_inputs().integer(8, 200),
+                  capacity = is_large ? random_inputs().integer(600, 1500)
+                             : k == 0 ? 1
+                                      : random_inputs().integer(1, 20);
+        expect_loads(concat("a product with a ", is_large ? "large " : "", "matrix with any columns"),
+                     random_columns(count, largest), capacity, "the line that goes is the one not used for longest");
+    }
     for (const int m : {40, 8 * random_inputs().integer(5, 9)}) {
         std::vector<int> place(m * m);
         std::iota(place.begin(), place.end(), 0);

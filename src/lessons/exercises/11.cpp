@@ -9,15 +9,15 @@ double growth_exponent(double /*n_1*/, double /*t_1*/, double /*n_2*/, double /*
     return 0;  // ANSWER 11.1
 }
 
-double predicted_entries(int /*dim*/, double n_0, double entries_0, double n) {
-    return entries_0 * n / n_0;  // ANSWER 11.2
+double predicted_entries(int /*dim*/, double n_1, double entries_1, double /*n_2*/, double /*entries_2*/, double n) {
+    return entries_1 * n / n_1;  // ANSWER 11.2
 }
 
 double sum_in_pieces(const std::vector<double>& v, int /*block*/) {
     return std::accumulate(v.begin(), v.end(), 0.0);  // ANSWER 11.3
 }
 
-double crossover(double /*a*/, double /*b*/) {
+double crossover(double /*a*/, double /*b*/, double /*c*/, int /*count*/) {
     return 0;  // ANSWER 11.4
 }
 
