@@ -1,6 +1,7 @@
 #include "lessons/exercises/13.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -61,6 +62,11 @@ struct Map {
         if (random_inputs().integer(0, 1)) return {u[0], v[0], u[1], v[1], shift};
         return {u[1], v[1], -u[0], -v[0], shift};
     }
+    // For coordinates up to `range`; images are below 2^60, some of their differences above.
+    static Map largest(int range) {
+        const auto [u, v] = nearly_parallel(59 - std::bit_width(range - 1u));  // v is no longer than u / 2
+        return {u[0], v[0], u[1], v[1], {}};
+    }
     // Heights and horizontal edges stay what they are.
     static Map shifted(int bits) { return {1, 0, 0, 1, {-many_bits(bits - 1), many_bits(bits - 1)}}; }
 
@@ -94,9 +100,10 @@ EXERCISE("13.1", "the exact orientation of three points") {
     }
     expect_orientation({-most, -most}, {most, -most}, {most, most}, 1, "a triangle as large as can be");
     expect_orientation({-most, -most}, {most, most}, {most - 1, most}, 1, "one is a unit beside the line");
-    for (int k = 0; k < 60; ++k) {  // areas of a few units, sides of 2^57
-        const Point a = small_point(2), b = small_point(2), c = small_point(2);
-        const Map map = Map::random(2, 59);
+    for (int k = 0; k < 60; ++k) {  // areas of a few units, sides of 2^57 to 2^61
+        const int range = k % 2 + 1;
+        const Point a = small_point(range), b = small_point(range), c = small_point(range);
+        const Map map = k % 2 ? Map::random(2, 59) : Map::largest(range);
         const int twice_the_area = static_cast<int>(cross(minus(b, a), minus(c, a)));
         expect_orientation(map(a), map(b), map(c), sign(twice_the_area),
                            concat("the determinant of this long triangle is ", twice_the_area));
@@ -157,7 +164,7 @@ EXERCISE("13.2", "whether two segments have a point in common") {
         const Segment s = {a, k % 10 == 0 ? a : b}, t = {c, d};
         expect_common(s, t, in_common(s, t));
         if (k % 2) continue;
-        const Map map = Map::random(3, 58);
+        const Map map = k % 4 ? Map::random(3, 58) : Map::largest(range);
         expect_common(map(s), map(t), in_common(s, t), " (they touch or cross as small ones do)");
     }
     for (int k = 0; k < 40; ++k) {  // an end a unit from the other segment, on it, or a unit beyond
@@ -360,6 +367,21 @@ std::vector<Segment> random_curves() {
     return curves;
 }
 
+// Where y is not on the curves.
+void expect_covered(std::vector<Segment> curves, const Point& y, const Map& map, bool is_thin) {
+    const bool is_on = std::any_of(curves.begin(), curves.end(),
+                                   [&](const Segment& s) { return in_common(s, {y, y}); });
+    if (is_on) return;
+    const int expected = winding(curves, y);
+    for (Segment& s : curves) s = map(s);
+    const bool is_level = std::any_of(curves.begin(), curves.end(),
+                                      [&](const Segment& s) { return s[0][1] == map(y)[1]; });
+    const int found = cover_number(curves, map(y));
+    expect(found == expected, "the ", curves.size(), " edges of closed curves cover the point ", text_of(map(y)), " ",
+           found, " times, expected ", expected, is_level ? ": nodes are at the height of the point" : "",
+           is_thin ? ": they are those of small curves, mapped so that they are long and thin" : "");
+}
+
 EXERCISE("13.4", "how often a point is covered") {
     Random& random = random_inputs();
     const std::vector<Segment> square = {
@@ -371,21 +393,16 @@ EXERCISE("13.4", "how often a point is covered") {
                expected);
     }
     for (int k = 0; k < 150; ++k) {
-        std::vector<Segment> curves = random_curves();
+        const std::vector<Segment> curves = random_curves();
         Point y = small_point(9);
         if (random.integer(0, 1)) y[1] = curves[0][0][1];  // at the height of a node
-        const bool is_on = std::any_of(curves.begin(), curves.end(),
-                                       [&](const Segment& s) { return in_common(s, {y, y}); });
-        if (is_on) continue;
-        const int expected = winding(curves, y);
-        const Map map = k % 3 == 0 ? Map{} : k % 3 == 1 ? Map::shifted(58) : Map::random(4, 58);
-        for (Segment& s : curves) s = map(s);
-        const bool is_level = std::any_of(curves.begin(), curves.end(),
-                                          [&](const Segment& s) { return s[0][1] == map(y)[1]; });
-        const int found = cover_number(curves, map(y));
-        expect(found == expected, "the ", curves.size(), " edges of closed curves cover the point ", text_of(map(y)),
-               " ", found, " times, expected ", expected, is_level ? ": nodes are at the height of the point" : "",
-               k % 3 == 2 ? ": they are those of small curves, mapped so that they are long and thin" : "");
+        expect_covered(curves, y, k % 3 == 0 ? Map{} : k % 3 == 1 ? Map::shifted(58) : Map::random(4, 58), k % 3 == 2);
+    }
+    for (int k = 0; k < 40; ++k) {
+        const Point a = small_point(2), b = small_point(2), c = small_point(2);
+        const std::vector<Segment> triangle = {{{a, b}}, {{b, c}}, {{c, a}}};
+        const Point y = small_point(2);
+        expect_covered(triangle, y, Map::largest(2), true);
     }
 }
 
@@ -502,6 +519,9 @@ EXERCISE("13.5", "the certificate of a mesh") {
                        "two triangles with corners at the same place, which are two nodes");
     expect_certificate({{{0, 0}, {8, 0}, {0, 8}, {3, 1}, {1, 3}}, {{0, 1, 2}, {0, 3, 4}}},
                        "a triangle within another, with a common corner");
+    expect_certificate({{{-4, -4}, {4, -4}, {4, 4}, {-4, 4}, {0, 0}, {0, 0}, {2, -2}, {2, 2}},
+                        {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}, {5, 6, 7}}},
+                       "a triangle over a square, with no node inside of another triangle");
     expect_certificate({{{0, 0}, {4, 0}, {2, 4}, {2, -4}, {1, 2}}, {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}}},
                        "three triangles at an edge");
     for (int k = 0; k < 60; ++k) {
@@ -749,6 +769,10 @@ EXERCISE("13.6", "an hour: the checker of a proof") {
     expect_accepted(mesh, whole + "\n", false, "a proof with a line behind its end");
     expect_accepted(mesh, whole.substr(0, whole.rfind("end")), false, "a proof without its end");
     expect_accepted(mesh, "", false, "an empty file");
+    const CurvedMesh plain{"straight\n", {3}, {straight}};
+    const std::string without_trees =
+        with_end({"almesh proof 1", "version almesh 0.2.0", "hash " + hash_of(plain.text), "elements 1"});
+    expect_accepted(plain, without_trees, true, "a proof whose element has no line, which has the tree `.`,");
     CurvedMesh other = mesh;
     other.elements.back() = {{{0, 0}, {0, 4}, {4, 0}, {0, 2}, {2, 2}, {2, 0}}};
     expect_accepted(other, whole, false, "a proof of a mesh with an inverted element");
