@@ -322,6 +322,12 @@ EXERCISE("10.6", "an hour: nested dissection counted") {
                " are counted: on which sides of its piece does a separator have ",
                "later points, and what do its points have of each other?");
     }
+    for (int k = 0; k < 4; ++k) {
+        const int rows = random_inputs().integer(200, 1200), columns = random_inputs().integer(200, 1200);
+        const double expected = added_up(rows, columns, {}), foretold = entries_foretold(rows, columns);
+        expect(std::abs(foretold / expected - 1) < 0.06, foretold, " entries are foretold of ", rows, " x ", columns,
+               " points, added up over all separators they are ", expected);
+    }
     const auto per_point = [](int m) { return entries_foretold(m, m) / m / m; };
     expect_close("from 1023 x 1023 to 2047 x 2047 points, the growth of nnz(L)/n", per_point(2047) - per_point(1023),
                  7.62, 0.03, "it tends to 31/4 for each doubling");
