@@ -108,7 +108,7 @@ EXERCISE("11.5", "inexact Newton steps (inexact.deck)") {
     expect(iterations > 0, "no iterations of conjugate gradients: leave solver = cg");
     expect(iterations <= 80, "conjugate gradients took ", iterations, " iterations in ",
            number(summary, "newton_iterations"), " Newton steps, at most 80 are wanted: far from the minimum Newton's ",
-           "model is not worth ten digits (almesh --keys: forcing)");
+           "model is not worth ten digits (./almesh --keys: forcing)");
 }
 
 // The entries of x that the product with the five-point matrix of m x m points takes; point k has the number place[k].

@@ -316,6 +316,8 @@ def self_test(build):
                      if not row.holds]
         failures += [f"{row.number} {row.title}: the template holds as it is, or fails without a word"
                      for row in template if is_template(lesson) and len(row.message) < 10]
+        failures += [f"{row.number} {row.title}: the template does not have what the header declares: {row.message}"
+                     for row in template if is_template(lesson) and "there is no function" in row.message]
     print(f"{count} exercises: " + (f"{len(failures)} FAILURES" if failures else
                                     "every solution holds, every template fails with a message"))
     print("\n".join(failures), file=sys.stderr, end="\n" if failures else "")

@@ -25,7 +25,7 @@ double sum_in_pieces(const std::vector<double>& v, int block);
 // they do for every n.
 double crossover(double a, double b, double c, int count);
 
-// 11.5 exercises/inexact.deck: the same mesh with at most half of the conjugate gradients' iterations.
+// 11.5 exercises/inexact.deck: the same mesh with at most 80 iterations of conjugate gradients.
 
 // 11.6 y = A x, row by row, from memory through a cache. How many lines of x are loaded: line k of it has the entries
 // 8 k to 8 k + 7, `columns` are the entries in the order of their use, and the cache, empty at first, keeps the
