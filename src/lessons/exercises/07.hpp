@@ -22,15 +22,15 @@ Vector wall_forces(const std::vector<std::array<int, 2>>& edges, const Vector& l
 double penalty_for(double kappa, double q);
 
 // 7.4 minimise 1/2 x' K x - b' x subject to a' x = g, by the method of multipliers: lambda = 0 at first; each turn
-// minimises 1/2 x' K x - b' x - lambda c + mu/2 c^2, c = a' x - g, over x and updates lambda. Returns the number of
-// updates after which |c| <= 1e-10 for the first time, and lambda.
+// minimises 1/2 x' K x - b' x - lambda c + mu/2 c^2, c = a' x - g, over x, and updates lambda with the c of this
+// minimum. The turn that finds |c| <= 1e-10 is the last, and updates, too. Returns the number of updates, and lambda.
 struct Multiplier {
     int updates = 0;
     double lambda = 0;
 };
 Multiplier method_of_multipliers(const Mat<2>& K, const Vec<2>& b, const Vec<2>& a, double g, double mu);
 
-// 7.5 exercises/three.deck: the smallest power of ten for mu0 that needs three iterations.
+// 7.5 exercises/three.deck: the smallest power of ten for mu0 that needs three iterations at most.
 
 // 7.6 The stiffest mode of a quadratic E = 1/2 x' K x - b' x: the largest kappa with S v = kappa M v / |1|^2, S the
 // stiffness of the boundary when the other unknowns follow it. K: symmetric, positive definite, its rows; M: of its
