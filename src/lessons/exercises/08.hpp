@@ -30,7 +30,7 @@ Settings next(const Settings& now, double c_squared, double mu0, double omega0, 
 // 8.6 minimise E(x) subject to c(x) = 0 by the method of multipliers and steepest descent: a step x <- x - step grad
 // takes x towards the minimum of E(x) - lambda c + mu/2 c^2, and its gradient is what costs. Start from x = 0 and
 // lambda = 0, end with |c| <= 1e-9 and |grad| <= 1e-9. Each subproblem only as well as it is worth: the calls of
-// `gradient` are counted.
+// `gradient` are counted, and may be three times those of a simple rule for how well.
 struct CostlyProblem {
     int unknowns;
     double mu, step;
