@@ -114,8 +114,8 @@ EXERCISE("5.4", "any profile") {
     for (const double slope :
          {-0.49, -0.1, 0.0, 0.5, random_inputs().scale(0.6, 100), -random_inputs().uniform(0, 0.5)}) {
         const double found = turn_of_profile(slope);
-        expect(std::isinf(found) && found > 0, "with the slope ", slope, " you say ", found, ", where det F is ",
-               1 + slope * (1 - std::cos(found)), ": det F is above 0 for every angle, expected infinity");
+        expect(std::isinf(found) && found > 0, "with the slope ", slope, " you say ", found,
+               ": det F at the circle is above 0 for every angle, expected infinity");
     }
     for (int k = 0; k < 20; ++k) {
         const double slope = k == 0 ? -2 : k == 1 ? -0.5 : -0.5 - random_inputs().scale(1e-3, 50);
