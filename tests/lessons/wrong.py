@@ -137,8 +137,8 @@ def test_wrong(lesson, build, every, failures):
 # ------------------------------------------------------------------------------------------------- broken answers
 
 INCLUDES = "".join(f"#include <{name}>\n" for name in ("cstdio", "cstdlib", "fstream", "unistd.h", "vector"))
-RECURSION = ("struct R { static int f(int i) { volatile int a[1000]; a[i % 1000] = i; return f(i + 1) + a[0]; } };"
-             " if (R::f(0) == 1) std::abort();")
+RECURSION = ("struct Deep { static int f(int i) { volatile int a[1000]; a[i % 1000] = i; return f(i + 1) + a[0]; } };"
+             " if (Deep::f(0) == 1) std::abort();")
 # What goes into a function, what its row has to say.
 CIRCLE, SQUARE = "inputs/meshes/circle.msh", "inputs/meshes/square.msh"
 KINDS = [
