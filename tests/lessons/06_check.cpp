@@ -12,7 +12,8 @@ EXERCISE("6.1", "springs and a penalty") {
         Random& random = random_inputs();
         const double unit = random.scale(1e-4, 1e4), k_1 = unit * random.scale(0.1, 10),
                      k_2 = unit * random.scale(0.1, 10);
-        const double mu = k % 6 == 5 ? 0 : unit * random.scale(0.05, 100), g = k == 7 ? 0 : random.uniform(-5, 5);
+        const double moderate = random.scale(0.05, 100), any = random.scale(1e-4, 1e6);
+        const double mu = k % 6 == 5 ? 0 : unit * (k % 2 ? moderate : any), g = k == 7 ? 0 : random.uniform(-5, 5);
         const double x = penalised_place(k_1, k_2, g, mu), y = k_2 * x / (k_1 + k_2), pull = k_2 * (x - y);
         const std::string where = concat("with k_1 = ", k_1, ", k_2 = ", k_2, ", g = ", g, ", mu = ", mu, " x is ", x);
         expect(std::abs(pull + mu * (x - g)) <= 1e-9 * (unit + mu) * std::abs(g), where, ": y is then at rest at ", y,
@@ -25,7 +26,8 @@ EXERCISE("6.2", "how large a penalty") {
     for (int k = 0; k < 24; ++k) {
         Random& random = random_inputs();
         const double kappa = random.scale(1e-3, 1e3), g = random.scale(1e-3, 1e3) * (k % 2 ? 1 : -1);
-        const double tolerance = std::abs(g) * random.scale(1e-8, 0.9), mu = penalty_for(kappa, g, tolerance);
+        const double part = k % 3 ? random.scale(1e-8, 0.9) : random.uniform(0.9, 0.999);
+        const double tolerance = std::abs(g) * part, mu = penalty_for(kappa, g, tolerance);
         const double error = kappa * std::abs(g) / (kappa + mu);
         const std::string where = concat("with kappa = ", kappa, ", g = ", g, ", mu = ", mu, " x is off by ", error);
         expect(mu >= 0, "mu is ", mu, ", less than 0, for g = ", g, ", tolerance ", tolerance,
@@ -37,6 +39,8 @@ EXERCISE("6.2", "how large a penalty") {
         expect(none == 0, "where x = 0 is near enough the penalty is ", none, ", expected 0: kappa = ", kappa,
                ", g = ", g, ", tolerance ", loose);
     }
+    const double at_rest = penalty_for(2, 0, random_inputs().scale(1e-6, 1));
+    expect(at_rest == 0, "where g = 0, and x = 0 without a penalty, the penalty is ", at_rest, ", expected 0");
 }
 
 EXERCISE("6.3", "the limit from two penalties") {
@@ -85,7 +89,7 @@ EXERCISE("6.4", "the condition number") {
                      unit = random.scale(1e-3, 1e3), l = unit * random.scale(0.1, 10), m = unit * random.scale(0.1, 10),
                      size = random.scale(0.1, 10), phi = k % 8 == 7 ? 0 : random.uniform(0, 6.28);
         const Mat<2> K = {{{c * c * l + s * s * m, c * s * (l - m)}, {c * s * (l - m), s * s * l + c * c * m}}};
-        const Vec<2> a = {size * std::cos(phi), size * std::sin(phi)};
+        const Vec<2> a = k == 39 ? Vec<2>{} : Vec<2>{size * std::cos(phi), size * std::sin(phi)};
         const double mu = k % 5 == 0 ? 0 : k % 5 == 1 ? unit * random.scale(0.1, 10) : unit * random.scale(1, 1e15);
         const double found = condition_with_penalty(K, a, mu), expected = measured_condition(K, a, mu);
         expect(std::abs(found - expected) <= 1e-6 * expected, "the condition number with K = (", K[0][0], " ", K[0][1],
@@ -162,6 +166,7 @@ void check_penalised(const char* name, const Constrained& here, const Vec<2>& x)
         };
         const auto [end, force] = penalised_minimum(counted, mu, start);
         const Vec<2> f1 = problem.f1(end), c1 = problem.c1(end);
+        expect(steps >= 1, of, ": f2 is never called: Newton's method calls it once in each step");
         const double unbalanced = std::hypot(f1[0] + force * c1[0], f1[1] + force * c1[1]), c = problem.c(end);
         expect(std::abs(c - force / mu) < 1e-9, of, ": c is ", c, " and force / mu ", force / mu,
                ", expected the same");
@@ -169,6 +174,13 @@ void check_penalised(const char* name, const Constrained& here, const Vec<2>& x)
                std::abs(force - mu * c) < 1e-9 * std::abs(force)
                    ? "; mu c(x) is lost in the rounding of x: the force has to come from the unknown y"
                    : ", expected 0");
+        // Of (f'' + y c'', c'; c', -1/mu), whose eigenvalues are two positive ones and a negative one at a minimum.
+        const Mat<2> f2 = problem.f2(end), c2 = problem.c2(end);
+        Mat<2> A;
+        for (int i = 0; i < 4; ++i) A[i / 2][i % 2] = f2[i / 2][i % 2] + force * c2[i / 2][i % 2];
+        const double across = c1[1] * c1[1] * A[0][0] - c1[0] * c1[1] * (A[0][1] + A[1][0]) + c1[0] * c1[0] * A[1][1];
+        expect(across + determinant(A) / mu > 0, of, ": where you stop is no minimum: is the first step one of "
+               "Newton's, from the x that is given?");
     }
 }
 
