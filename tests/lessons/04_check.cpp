@@ -34,7 +34,7 @@ void expect_t(const std::string& what, const Corners& d, double expected, const 
         while (k > 0 && (determinant(M) <= 0 || M[0][1] == 0))
             for (auto& row : M)
                 for (double& entry : row) entry = random.integer(-3, 3);
-        const double two = k ? std::ldexp(1, random.integer(-20, 20)) : 1;
+        const double two = k ? std::ldexp(1, random.integer(-40, 40)) : 1;
         const Vec<2> origin = {k * two * random.integer(-5, 5), k * two * random.integer(-5, 5)};
         const Corners unit = {{{0, 0}, {1, 0}, {0, 1}}};
         Corners x, velocity;
@@ -60,6 +60,11 @@ EXERCISE("4.2", "the step at which a triangle inverts") {
     expect_t("a translation", {{{3, 5}, {3, 5}, {3, 5}}}, INFINITY, "the area stays as it is");
     expect_t("a triangle that stays", {}, INFINITY, "the area stays as it is");
     expect_t("a triangle that turns", {{{0, 0}, {0, 1}, {-1, 0}}}, INFINITY, "1 + t^2 has no root");
+    for (int k = 0; k < 6; ++k) {
+        const double a = random.integer(-8, 8) / 4.0, c = random.integer(1, 8) / 16.0;
+        expect_t("a triangle that turns and changes its size", {{{0, 0}, {-a, c}, {-c, -a}}}, INFINITY,
+                 "(1 - a t)^2 + (c t)^2 has no root");
+    }
     expect_t("two vertices that swap", {{{0, 0}, {-1, 1}, {1, -1}}}, 0.5, "1 - 2 t: the area is linear here");
     expect_t("a triangle that grows first", {{{0, 0}, {1, 0}, {0, -1}}}, 1,
              "1 - t^2: the area has a root on either side");
@@ -89,6 +94,13 @@ EXERCISE("4.3", "the positive semidefinite part of a matrix") {
                  flipped[1][1] == 1          ? "set negative eigenvalues to 0, not to their absolute value"
                  : std::isnan(flipped[1][1]) ? "off the diagonal are zeros: an eigenvector's formula divides 0 by 0"
                                              : "its eigenvalue -1 is left out");
+    for (const double equal : {0.0, -1.0, random.uniform(0.5, 3)}) {
+        const Mat<2> part = positive_part({{{equal, 0}, {0, equal}}});
+        const double expected = std::max(equal, 0.0);
+        expect(part == Mat<2>{{{expected, 0}, {0, expected}}}, "the part of ", equal, " times the identity is ",
+               shown<2>(part), ", expected ", expected, " times it: both eigenvalues are ", equal,
+               ", and any two directions are eigenvectors");
+    }
     for (int k = 0; k < 30; ++k) {
         const double size = k < 12 ? 1 : random.scale(1e-8, 1e8);
         Vec<2> eigenvalue = {size * random.uniform(-3, 3), size * random.uniform(-3, 3)};
@@ -228,7 +240,7 @@ void check_step(int halvings, double curvature) {
         if (k < 0 || std::abs(std::ldexp(t, k) - 1) > 1e-3) return at_x + 1.0;  // no trial of this search
         if (k < halvings && k == nan_at) return static_cast<double>(NAN);
         if (k < halvings && k == infinite_at) return static_cast<double>(INFINITY);
-        return at_x + (k < halvings ? 0.5e-4 : k == halvings ? 2e-4 : 0.9) * t * slope * d;
+        return at_x + (k < halvings ? 0.9e-4 : k == halvings ? 1.1e-4 : 0.9) * t * slope * d;
     };
     const double found = minimise(f, [=](double y) { return y == x ? slope : 0; },
                                   [=](double y) { return y == x ? curvature : 1; }, x);
