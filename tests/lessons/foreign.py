@@ -13,6 +13,9 @@ LIBRARY = re.compile(r"\b(matrix_of_cells|pattern_of_cells|density_gradient|dist
 QUOTED = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
 # Directives that say that what follows is another file's text.
 RELOCATED = re.compile(r"^(?:.*\*/)?\s*(?:#|%:|\?\?=)(?:\s|/\*.*?\*/)*(?:line\b|\d)", re.MULTILINE)
+# Code that the compiler does not read, or that its sanitizers do not watch.
+UNWATCHED = re.compile(r"\b(asm|__asm__|__asm|\w*no_sanitize\w*|\w*no_address_safety\w*|\w*disable_sanitizer\w*|"
+                       r"__(?:a|ub)san_\w*)\b")
 # Of other programs, their memory, and code that is loaded: nothing that an answer needs.
 REFUSED = set("""dlopen dlmopen dlsym dlvsym dl_iterate_phdr fork vfork _Fork clone posix_spawn posix_spawnp execl
     execle execlp execv execve execvp execvpe fexecve system popen ptrace kill killpg tgkill pthread_kill sigqueue

@@ -77,6 +77,10 @@ BORROWED = [
            "void part(double* A) { almesh::diagonalise(2, A, A + 4); }\n", "calls diagonalise"),
     ("04", 'void taken(int n, double* A, double* V) asm("_ZN6almesh11diagonaliseEiPdS0_");\n'
            "void part(double* A) { taken(2, A, A + 4); }\n", "has asm"),
+    ("04", "[[gnu::no_sanitize_address]] void past(double* a) { a[1] = 0; }\n", "has no_sanitize_address"),
+    ("04", '#define UNSEEN(of) __attribute__((no_sanitize(of)))\n'
+           'UNSEEN("address") void past(double* a) { a[1] = 0; }\n', "has no_sanitize"),
+    ("04", 'extern "C" void __asan_report_store8(unsigned long) {}\n', "has __asan_report_store8"),
     ("12", '#include "lessons/exercises/12.hpp"\n#define OF distortion\n'
            "double eta(const almesh::Mat<2>& F) { return almesh::OF <2>(F, 0.0); }\n", "calls distortion"),
 ]
