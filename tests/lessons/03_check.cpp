@@ -75,6 +75,14 @@ void check_rows(const Numbered& mesh, const std::string& which) {
     }
 }
 
+// Triangles around node 0, which has them all.
+Numbered star(int count) {
+    Numbered mesh = {count + 1, {}};
+    for (int i = 0; i < count; ++i) mesh.triangles.push_back({0, 1 + i, 1 + (i + 1) % count});
+    random_inputs().shuffle(mesh.triangles);
+    return mesh;
+}
+
 EXERCISE("3.2", "the rows of the CSR pattern") {
     check_rows({6, fan}, "the fan " + shown(fan));
     check_rows({3, {}}, "three nodes without a triangle");
@@ -87,10 +95,14 @@ EXERCISE("3.2", "the rows of the CSR pattern") {
         const int width = random_inputs().integer(2, 12), height = random_inputs().integer(2, 12);
         check_rows(random_mesh(width, height, k), concat("a square of 2 x ", width, " x ", height, " triangles"));
     }
+    check_rows(star(random_inputs().integer(20, 90)), "a star of many triangles around a node");
     const Numbered large = random_mesh(400, 300, 3);
     expect_soon("a mesh of 240000 triangles takes too long: does the time grow with the square of their number? It has "
                 "to grow as the number does");
     check_rows(large, "a mesh of 240000 triangles");
+    expect_soon("a star of 200000 triangles around a node takes too long: does the time grow with the square of the "
+                "number of a node's neighbours?");
+    check_rows(star(200000), "a star of 200000 triangles around a node");
 }
 
 // Whole numbers, whose sums are exact in any order.
@@ -121,7 +133,7 @@ EXERCISE("3.3", "the gradient, triangle by triangle") {
     for (int k = 0; k < 8; ++k) {
         const Numbered mesh = k == 0  ? Numbered{6, fan}
                               : k < 5 ? random_heap(random.integer(5, 9), random.integer(3, 9))
-                                      : random_mesh(random.integer(1, 9), random.integer(1, 9), 2);
+                                      : random_mesh(random.integer(k == 7 ? 8 : 1, 9), random.integer(2, 9), 2);
         const std::vector<Corners> local = random_gradients(mesh);
         const std::string of = k < 5 ? concat(" of the triangles ", shown(mesh.triangles)) : " of a square";
         std::vector<int> leader(mesh.nodes), order(mesh.nodes);
@@ -131,8 +143,8 @@ EXERCISE("3.3", "the gradient, triangle by triangle") {
         random.shuffle(order);  // a node follows one that is before it in this order
         std::vector<int> moves_with = leader;
         for (int i = 1; i < mesh.nodes; ++i)
-            if (random.integer(0, 1)) {
-                leader[order[i]] = order[random.integer(0, i - 1)];
+            if (k == 7 || random.integer(0, 1)) {  // k = 7: one chain
+                leader[order[i]] = order[k == 7 ? i - 1 : random.integer(0, i - 1)];
                 moves_with[order[i]] = moves_with[leader[order[i]]];
             }
         compare_gradient(concat("the gradient", of, " with the leaders ", k < 5 ? listed(leader) : "of many nodes"),
@@ -255,7 +267,15 @@ void check_linear(const Numbered& mesh) {
     Vector x(2 * mesh.nodes);
     for (double& entry : x) entry = random.uniform(-1, 1);
     const double h = random.scale(1e-3, 10);
-    difference_hessian([&](const Vector& y) { return product(A, y); }, x, h, H);
+    Shared<double> step = h;  // the one that is farthest from h
+    const auto gradient = [&](const Vector& y) {
+        double largest = 0;
+        for (std::size_t i = 0; i < y.size(); ++i) largest = std::max(largest, std::abs(y[i] - x[i]));
+        if (std::abs(largest - h) > std::abs(step - h)) step = largest;
+        return product(A, y);
+    };
+    difference_hessian(gradient, x, h, H);
+    expect(std::abs(step - h) <= 1e-9 * h, "the gradient is called at a distance of ", step, " from x, and h is ", h);
     for (int i = 0; i < H.n; ++i)
         for (int k = H.row[i]; k < H.row[i + 1]; ++k)
             for (int ab = 0; ab < 4; ++ab) {
