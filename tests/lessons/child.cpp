@@ -196,6 +196,9 @@ void take_answers(const std::string& of_answers, const Limits& of_exercise) {
     limits = of_exercise;
     begun = Clock::now();
     limit_memory();
+#ifdef __linux__
+    prctl(PR_SET_DUMPABLE, 0);  // no child opens the judge's memory, /proc/.../mem, unless the user is root
+#endif
 }
 
 void expect_each_within(int seconds, const std::string& late) {

@@ -61,6 +61,8 @@ ATTACKS = [
 SENDING = ("const struct [[gnu::packed]] { char kind; unsigned long size; double value; } sent = {'v', 8, 1};"
            "for (int file = 3; file < 64; ++file) if (write(file, &sent, sizeof sent) < 0) continue;"
            "for (;;) sleep(1);")
+# No right answer where the judge's memory can be written.
+INTRUDING = 'if (std::fopen(("/proc/" + std::to_string(getppid()) + "/mem").c_str(), "r+")) return 0;'
 SOLUTION = "lessons/solutions/01.cpp"
 INCLUDES = [f"#include <{SOLUTION}>\n", f'#define OF <{SOLUTION}>\n#include OF\n', f"# /**/ include \"{SOLUTION}\"\n",
             f'#if __has_include("{SOLUTION}")\n#include "{SOLUTION}"\n#endif\n',
@@ -137,7 +139,10 @@ def test_attacks(build):
     expect_rows("catches what a callback says", rows, "a derivative is called where f is infinite or nan", failures)
     rows = rows_of("01", SYSTEM + with_line("1.3", SENDING), build, ["1.3"])
     expect_rows("sends a result itself, and never ends", rows, ", expected ", failures)
-    return len(ATTACKS) + len(INCLUDES) + len(BORROWED) + 3, failures
+    if os.geteuid() != 0:  # who may open all memory
+        rows = rows_of("01", SYSTEM + with_line("1.5", INTRUDING), build, ["1.5"])
+        expect_rows("opens the judge's memory", rows, "", failures, holds=True)
+    return len(ATTACKS) + len(INCLUDES) + len(BORROWED) + 3 + (os.geteuid() != 0), failures
 
 
 def with_line(number, line, source=None):
