@@ -267,15 +267,7 @@ void check_linear(const Numbered& mesh) {
     Vector x(2 * mesh.nodes);
     for (double& entry : x) entry = random.uniform(-1, 1);
     const double h = random.scale(1e-3, 10);
-    Shared<double> step = h;  // the one that is farthest from h
-    const auto gradient = [&](const Vector& y) {
-        double largest = 0;
-        for (std::size_t i = 0; i < y.size(); ++i) largest = std::max(largest, std::abs(y[i] - x[i]));
-        if (std::abs(largest - h) > std::abs(step - h)) step = largest;
-        return product(A, y);
-    };
-    difference_hessian(gradient, x, h, H);
-    expect(std::abs(step - h) <= 1e-9 * h, "the gradient is called at a distance of ", step, " from x, and h is ", h);
+    difference_hessian([&](const Vector& y) { return product(A, y); }, x, h, H);
     for (int i = 0; i < H.n; ++i)
         for (int k = H.row[i]; k < H.row[i + 1]; ++k)
             for (int ab = 0; ab < 4; ++ab) {
@@ -287,6 +279,21 @@ void check_linear(const Numbered& mesh) {
                                                                : "the block is transposed: its rows belong to the "
                                                                  "gradient, its columns to what moves");
             }
+}
+
+void check_step(const Numbered& mesh) {
+    BlockCsr H = matrix_of(mesh);
+    const Vector x(2 * mesh.nodes, 1.0);
+    const double h = random_inputs().scale(1e-3, 10);
+    Shared<double> step = h;  // the one that is farthest from h
+    const auto gradient = [&](const Vector& y) {
+        double largest = 0;
+        for (std::size_t i = 0; i < y.size(); ++i) largest = std::max(largest, std::abs(y[i] - x[i]));
+        if (std::abs(largest - h) > std::abs(step - h)) step = largest;
+        return y;
+    };
+    difference_hessian(gradient, x, h, H);
+    expect(std::abs(step - h) <= 1e-9 * h, "the gradient is called at a distance of ", step, " from x, and h is ", h);
 }
 
 EXERCISE("3.6", "an hour: the Hessian from a few gradients") {
@@ -325,6 +332,7 @@ EXERCISE("3.6", "an hour: the Hessian from a few gradients") {
     const double order = order_of(error, 1e-3, 4);
     expect(order > 1.8, "the error falls as h^", order, ", expected h^2: central differences go to both sides of x");
     expect(small < 1e-7, "with h = 1e-6 the largest error of the Hessian of a mesh is ", small, " times its norm");
+    check_step(random_mesh(3, 3, 1));
 }
 
 }  // namespace
