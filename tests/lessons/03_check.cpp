@@ -96,13 +96,13 @@ EXERCISE("3.2", "the rows of the CSR pattern") {
         check_rows(random_mesh(width, height, k), concat("a square of 2 x ", width, " x ", height, " triangles"));
     }
     check_rows(star(random_inputs().integer(20, 90)), "a star of many triangles around a node");
-    const Numbered large = random_mesh(400, 300, 3);
-    expect_soon("a mesh of 240000 triangles takes too long: does the time grow with the square of their number? It has "
+    const Numbered large = random_mesh(300, 200, 3);
+    expect_soon("a mesh of 120000 triangles takes too long: does the time grow with the square of their number? It has "
                 "to grow as the number does");
-    check_rows(large, "a mesh of 240000 triangles");
-    expect_soon("a star of 200000 triangles around a node takes too long: does the time grow with the square of the "
+    check_rows(large, "a mesh of 120000 triangles");
+    expect_soon("a star of 100000 triangles around a node takes too long: does the time grow with the square of the "
                 "number of a node's neighbours?");
-    check_rows(star(200000), "a star of 200000 triangles around a node");
+    check_rows(star(100000), "a star of 100000 triangles around a node");
 }
 
 // Whole numbers, whose sums are exact in any order.
