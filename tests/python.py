@@ -217,6 +217,8 @@ class Errors(unittest.TestCase):
         self.assertTrue(mesh.move().certified)
 
     def test_interrupt_ends_a_run(self):
+        before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job ignores it
+        self.addCleanup(signal.signal, signal.SIGINT, before)
         mesh = circle()
         mesh.set("refine", 3)
         alarm = threading.Timer(0.6, lambda: os.kill(os.getpid(), signal.SIGINT))
