@@ -18,11 +18,11 @@ SRC = ROOT / "src"
 
 # Rooms, each of which includes only itself and those above it.
 ROOMS = {
-    "base": 1576, "linalg": 4911, "mesh": 5123, "geometry": 2120, "energy": 3254, "constraint": 3797, "method": 3074,
-    "check": 3070, "io": 3856, "problem": 5506, "deck": 1615, "report": 1943, "library": 1100,
+    "base": 1576, "linalg": 4911, "mesh": 5123, "geometry": 2125, "energy": 3254, "constraint": 3797, "method": 3074,
+    "check": 3061, "io": 3862, "problem": 5506, "deck": 1615, "report": 1943, "library": 1100,
     "app": 1434,
 }
-MOST = {"src/ without lessons and examples": 42808, "src/examples": 900, "src/lessons": 6621, "README.md": 180,
+MOST = {"src/ without lessons and examples": 42810, "src/examples": 900, "src/lessons": 6621, "README.md": 180,
         "Newton::minimise()": 30, "include depth": 10, "a file": 490, "includes beyond the line": 14}
 # topic: most files, most lines, the files: both of `name.*` where there are two.
 TOPICS = {

@@ -139,7 +139,7 @@ def whole(rows):
 class Cell:
     """Of one type and degree: derivatives, sides, and Bernstein coefficients from nodes."""
     def __init__(self, cell, p):
-        self.name, self.degree, (factors, corners, _, sides) = cell, p, CELLS[cell]
+        self.name, (factors, corners, _, sides) = cell, CELLS[cell]
         functions, first, self.factors, self.derivatives = shapes(cell, p), 0, [], []
         for m in factors:
             self.factors.append(H(first, first := first + m + 1))

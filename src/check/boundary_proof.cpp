@@ -20,6 +20,7 @@ namespace almesh {
 namespace {
 
 constexpr int most_cuts = 30, most_pieces = 2000;  // one after another, of a face or a pair
+constexpr int uncut = -1;
 
 struct NamedPatch {
     std::array<long long, 3> name{};  // of the corners
@@ -32,12 +33,6 @@ double error_of(const Patch& patch) {
     for (const Vec<3>& x : patch)
         for (const double a : x) largest = std::max(largest, std::abs(a));
     return 1e-14 * largest;
-}
-
-// A point with the least product with d.
-Vec<3> farthest(const std::vector<Vec<3>>& points, const Vec<3>& d) {
-    return *std::min_element(points.begin(), points.end(),
-                             [&](const Vec<3>& v, const Vec<3>& w) { return dot(v, d) < dot(w, d); });
 }
 
 class Boundary {
@@ -173,13 +168,12 @@ private:
     // The direction along which the two overlap by no more than faces that touch; "": by more.
     std::string touching_axis(const NamedPatch& f, const NamedPatch& g) const {
         if (shared(f, g) > 1) return "";
-        const Vec<3> axis = widest_gap(f.patch, g.patch, m_);
-        const double gap = std::max(dot(farthest(f.patch, axis), axis) - dot(farthest(g.patch, -1 * axis), axis),
-                                    dot(farthest(g.patch, axis), axis) - dot(farthest(f.patch, -1 * axis), axis));
+        const auto [gap, axis] = widest_gap(f.patch, g.patch, m_);
         const double size = std::min(edge_length(f, longest(f)), edge_length(g, longest(g)));
         if (gap < -0.5 * touching_distance * size) return "";
-        const auto whole = [](double a) { return std::llround(std::ldexp(a, 52)); };
-        return concat(whole(axis[0]), ",", whole(axis[1]), ",", whole(axis[2]), ",", touching_distance);
+        std::string words;
+        for (const double a : axis) words += concat(std::llround(std::ldexp(a, 52)), ",");
+        return words + concat(touching_distance);
     }
 
     bool divide(const NamedPatch& f, std::string& tree, int& pieces, int depth) const {
@@ -187,32 +181,28 @@ private:
         if (depth == most_cuts || ++pieces == most_pieces) return false;
         const int cut = longest(f);
         tree += concat(cut);
-        const auto [a, b] = halves(f, cut);
-        return divide(a, tree, pieces, depth + 1) && divide(b, tree, pieces, depth + 1) &&
-               divide_pair(a, b, tree, pieces, depth + 1);
+        const std::vector<NamedPatch> half = halves(f, cut);
+        return divide(half[0], tree, pieces, depth + 1) && divide(half[1], tree, pieces, depth + 1) &&
+               divide_pair(half[0], half[1], tree, pieces, depth + 1);
     }
 
     bool divide_pair(const NamedPatch& f, const NamedPatch& g, std::string& tree, int& pieces, int depth) const {
         if (are_apart(f, g)) return tree += '.', true;
         if (depth == most_cuts || ++pieces == most_pieces) return false;
-        const int cut_f = longest(f), cut_g = longest(g), two = shared(f, g);
-        if (m_ == 2 && two == 2) {
-            const int of_f = other_corner(f, g), of_g = other_corner(g, f);
-            if (edge_length(f, of_f) > 0.5 * std::max(edge_length(f, cut_f), edge_length(g, cut_g))) {
-                tree += 'b';
-                const auto [f1, f2] = halves(f, of_f);
-                const auto [g1, g2] = halves(g, of_g);
-                for (const NamedPatch* a : {&f1, &f2})
-                    for (const NamedPatch* b : {&g1, &g2})
-                        if (!divide_pair(*a, *b, tree, pieces, depth + 1)) return false;
-                return true;
-            }
+        int cut_f = longest(f), cut_g = longest(g);
+        const double longest_f = edge_length(f, cut_f), longest_g = edge_length(g, cut_g);
+        const bool have_edge = m_ == 2 && shared(f, g) == 2;
+        if (have_edge && edge_length(f, other_corner(f, g)) > 0.5 * std::max(longest_f, longest_g)) {
+            cut_f = other_corner(f, g), cut_g = other_corner(g, f);
+            tree += 'b';
+        } else {
+            (longest_f >= longest_g ? cut_g : cut_f) = uncut;
+            tree += concat(cut_f != uncut ? cut_f : 3 + cut_g);
         }
-        const bool first = edge_length(f, cut_f) >= edge_length(g, cut_g);
-        tree += concat(first ? cut_f : 3 + cut_g);
-        const auto [a, b] = first ? halves(f, cut_f) : halves(g, cut_g);
-        return first ? divide_pair(a, g, tree, pieces, depth + 1) && divide_pair(b, g, tree, pieces, depth + 1)
-                     : divide_pair(f, a, tree, pieces, depth + 1) && divide_pair(f, b, tree, pieces, depth + 1);
+        for (const NamedPatch& a : halves(f, cut_f))
+            for (const NamedPatch& b : halves(g, cut_g))
+                if (!divide_pair(a, b, tree, pieces, depth + 1)) return false;
+        return true;
     }
 
     // Edge k is opposite corner k; of a line, the line.
@@ -227,15 +217,16 @@ private:
         for (int k = 1; k <= m_ && m_ == 2; ++k) best = edge_length(of, k) > edge_length(of, best) ? k : best;
         return best;
     }
-    std::pair<NamedPatch, NamedPatch> halves(const NamedPatch& of, int k) const {
+    std::vector<NamedPatch> halves(const NamedPatch& of, int k) const {
+        if (k == uncut) return {of};
         const auto [a, b] = edge(k);
         auto [near_a, near_b] = bisect(basis_.bernstein, of.patch, a, b);
-        std::pair<NamedPatch, NamedPatch> both{{of.name, std::move(near_a)}, {of.name, std::move(near_b)}};
+        std::vector<NamedPatch> both{{of.name, std::move(near_a)}, {of.name, std::move(near_b)}};
         // Of the middle: it follows from the names of the ends, below all names in the file.
         const auto [low, high] = std::minmax(of.name[a], of.name[b]);
         const unsigned long long mixed = (static_cast<unsigned long long>(low) * 0x9e3779b97f4a7c15u +
                                           static_cast<unsigned long long>(high)) * 0xc2b2ae3d27d4eb4fu;
-        both.first.name[b] = both.second.name[a] = -1 - static_cast<long long>((mixed ^ (mixed >> 31)) >> 2);
+        both[0].name[b] = both[1].name[a] = -1 - static_cast<long long>((mixed ^ (mixed >> 31)) >> 2);
         return both;
     }
     bool has(const NamedPatch& of, long long name) const {
@@ -262,7 +253,7 @@ bool Boundary::are_apart(const NamedPatch& f, const NamedPatch& g) const {
     if (common == 2) return is_monotone(f, &g);
     const double error = error_of(f.patch) + error_of(g.patch);
     if (common == 0)
-        return is_half_space([&](const Vec<3>& d) { return farthest(f.patch, d) - farthest(g.patch, -1 * d); }, error);
+        return is_half_space([&](const Vec<3>& d) { return lowest(f.patch, d) - lowest(g.patch, -1 * d); }, error);
     std::vector<Vec<3>> away;
     for (const auto& [of, other, sign] : {std::tuple(&f, &g, 1.0), std::tuple(&g, &f, -1.0)}) {
         int corner = 0;

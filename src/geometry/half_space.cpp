@@ -35,6 +35,11 @@ HalfSpace half_space_of(const std::vector<Vec<3>>& vectors) {
     return best;
 }
 
+const Vec<3>& lowest(const std::vector<Vec<3>>& vectors, const Vec<3>& d) {
+    return *std::min_element(vectors.begin(), vectors.end(),
+                             [&](const Vec<3>& v, const Vec<3>& w) { return dot(v, d) < dot(w, d); });
+}
+
 bool is_half_space(const std::function<Vec<3>(const Vec<3>& d)>& least, double margin) {
     constexpr int most_steps = 60;
     HalfSpace found{least({}), 0, {}};
@@ -49,10 +54,7 @@ bool is_half_space(const std::function<Vec<3>(const Vec<3>& d)>& least, double m
 }
 
 bool are_in_half_space(const std::vector<Vec<3>>& vectors, double margin) {
-    return is_half_space([&](const Vec<3>& d) {
-        return *std::min_element(vectors.begin(), vectors.end(),
-                                 [&](const Vec<3>& v, const Vec<3>& w) { return dot(v, d) < dot(w, d); });
-    }, margin);
+    return is_half_space([&](const Vec<3>& d) { return lowest(vectors, d); }, margin);
 }
 
 }  // namespace almesh

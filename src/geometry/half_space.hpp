@@ -18,6 +18,9 @@ struct HalfSpace {
 };
 HalfSpace half_space_of(const std::vector<Vec<3>>& vectors);
 
+// The vector with the least product with d.
+const Vec<3>& lowest(const std::vector<Vec<3>>& vectors, const Vec<3>& d);
+
 // Whether a d was found with v . d > margin |d| for all v; margin >= 0. least(d): the v with the least product with d.
 bool is_half_space(const std::function<Vec<3>(const Vec<3>& d)>& least, double margin);
 bool are_in_half_space(const std::vector<Vec<3>>& vectors, double margin);

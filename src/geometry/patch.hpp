@@ -152,8 +152,8 @@ double contact_tolerance(const Patch& a, const Patch& b, double rounding);
 Contact patch_contact(const Bernstein& basis, const Patch& a, const Patch& b, double tolerance,
                       bool corners_meet = false);
 
-// Of the directions of patch_contact.cpp, of length 1, the one along which two patches are farthest apart.
-Vec<3> widest_gap(const Patch& a, const Patch& b, int m);
+// The widest gap between two patches along one of those directions, and that, of length 1; negative: an overlap.
+std::pair<double, Vec<3>> widest_gap(const Patch& a, const Patch& b, int m);
 
 // An element as a patch.
 struct Solid {

@@ -131,13 +131,13 @@ Contact patch_contact(const Bernstein& basis, const Patch& a, const Patch& b, do
                    [m = basis.dim](const Patch& s, const Patch& t, Axes& axes) { face_axes(s, t, m, axes); });
 }
 
-Vec<3> widest_gap(const Patch& a, const Patch& b, int m) {
+std::pair<double, Vec<3>> widest_gap(const Patch& a, const Patch& b, int m) {
     Axes axes;
     face_axes(a, b, m, axes);
-    for (Vec<3>& axis : axes) axis = unit(axis);
-    return *std::max_element(axes.begin(), axes.end(), [&](const Vec<3>& u, const Vec<3>& v) {
-        return gap_along(u, a, b, a.size()) < gap_along(v, a, b, a.size());
-    });
+    std::pair<double, Vec<3>> widest{-std::numeric_limits<double>::infinity(), {}};
+    for (const Vec<3>& axis : axes)
+        if (length(axis) > 0) widest = std::max(widest, {gap_along(unit(axis), a, b, a.size()), unit(axis)});
+    return widest;
 }
 
 Contact solid_contact(const Solid& a, const Solid& b, const Vec<3>& first, double tolerance) {

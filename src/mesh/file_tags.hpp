@@ -94,8 +94,8 @@ struct FileTags {
     std::vector<long long> node_id, element_id, face_id;
     std::vector<int> element_physical, face_physical;  // tag of the physical group, the first of several; 0: none
     std::vector<int> element_entity, face_entity;      // tag of the elementary entity; 0: none
-    std::vector<int> turned;  // elements whose nodes the file has the other way round
-    bool has_elements = true;  // as they are: none that was completed or simplified, or is given more than once
+    std::vector<int> turned;   // of the mesh as it was read: elements whose nodes the file has the other way round
+    bool has_elements = true;  // that one's, as they are: none was completed or simplified, or is given more than once
     double z = 0;                                      // of the plane of a 2D mesh
     int loose = 0;                                     // nodes without an element, which do not move
     std::vector<FileEntity> entities;  // ascending by key, of MSH 4

@@ -143,6 +143,9 @@ TEST_CASE("--json: quality, info and improve") {
     const std::string proof = ring.folder.path("ring.proof"), proved = json_of({"quality", mesh, "proof=" + proof}).out;
     CHECK(has(proved, "\"proof\": \"" + proof + "\"}"));
     CHECK(has(judged(proved), good));
+    const std::string before_proof = text_of(mesh);
+    CHECK(has(almesh_with({"quality", mesh, "proof=" + mesh}).error, "which the proof would overwrite"));
+    CHECK(text_of(mesh) == before_proof);
     const std::string run = json_of({ring.deck, "proof=yes"}).out;
     CHECK(has(run, "\"proof\": \"" + ring.output + "/final.proof\""));
     CHECK(has(judged(run), good));
